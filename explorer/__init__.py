@@ -44,13 +44,13 @@ if TYPE_CHECKING:
     from explorer.motion.wander import resonance as resonance
     from explorer.motion.wander import wander as wander
     from explorer.motion.wander import wander_path as wander_path
+    from explorer.phase.bifurcation import bifurcation as bifurcation
     from explorer.phase.constants import constants as constants
     from explorer.phase.coordinates import coordinates_to_states as coordinates_to_states
     from explorer.phase.coordinates import rates_to_states as rates_to_states
     from explorer.phase.disk import Disk as Disk
-    from explorer.phase.membership import falls as falls
+    from explorer.phase.falling_set import falls as falls
     from explorer.phase.potential import potential as potential
-    from explorer.phase.stability import bifurcation as bifurcation
     from explorer.phase.states import States as States
     from explorer.phase.states import StateWarning as StateWarning
     from explorer.phase.states import constants_to_states as constants_to_states

@@ -53,7 +53,7 @@ class RunError(RuntimeError):
 
 
 class CoarseTimesWarning(UserWarning):
-    """The times asked for are too far apart for a curve: the contact point turns a long way between two of them.
+    """The times are too far apart to draw a curve: the contact point turns a long way between two of them.
 
     Examples
     --------

@@ -17,10 +17,10 @@ from explorer.scenes.scene import NAMES, Scene, scene_class
 
 
 def run(scene: str | type[Scene], **options: Any) -> Run:
-    """Ask a question about many initial states.
+    """Answer a question about many initial states.
 
-    The options of a scene mean the same here, on the command line, in a TOML file and in run.json. Text is read as
-    the command line reads it. "Units of the disk" are those of its m, r and g; a natural unit of a rate is
+    The options of a scene mean the same here, on the command line, in a TOML file and in run.json, and may be
+    given as text. "Units of the disk" are those of its m, r and g; a natural unit of a rate is
     sqrt(g/r), one of an energy is m g r.
 
     Parameters
@@ -37,9 +37,9 @@ def run(scene: str | type[Scene], **options: Any) -> Run:
     Raises
     ------
     InputError
-        For an option that the scene does not take or cannot use, before anything is written.
+        For an option that the scene does not take or cannot use; raised before anything is written.
     RunError
-        Where writing fails or no sample can be computed. What is finished is kept.
+        Where writing fails or no sample can be computed. What was finished is kept.
 
     Examples
     --------
@@ -52,7 +52,7 @@ def run(scene: str | type[Scene], **options: Any) -> Run:
 
 
 def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
-    """Say how a run would be computed and what it will cost; nothing is stored.
+    """Say how a run would be computed and what it would cost; nothing is stored.
 
     Parameters
     ----------
@@ -62,12 +62,12 @@ def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
     Returns
     -------
     RunPlan
-        Its estimate is within a factor of two where the cores are free.
+        Its estimate is good to a factor of two on an idle machine.
 
     Raises
     ------
     InputError
-        As `run` would raise it.
+        As `run` does.
 
     Examples
     --------
@@ -79,10 +79,11 @@ def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
 
 
 def trade(scene: str | type[Scene] | None = None, **options: Any) -> Trade:
-    """Measure error and cost of every method on the samples that a scene draws, and on its motions in time.
+    """Measure the error and the cost of every method on the samples of a scene, and on its motions in time.
 
-    Passages are compared with arcs, without tables, smallest tilts with quadrature, motions in time with far finer
-    steps. Costs are of the calls that the scene and `simulate` make, on one core, without compile time.
+    Passages are compared with quadrature by arcs alone, without tables; smallest tilts with quadrature; motions
+    in time with far finer steps. Costs are those of the calls that the scene and `simulate` make, on one core,
+    without compile time.
 
     Parameters
     ----------

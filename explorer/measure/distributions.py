@@ -11,8 +11,7 @@ import numpy as np
 from explorer.errors import InputError, double_of, shown, sign, suggest
 from explorer.measure.sampling import Stream
 from explorer.phase.arguments import read_range
-from explorer.phase.charts import Chart, chart_of
-from explorer.phase.coordinates import warn_of_degrees
+from explorer.phase.coordinates import Chart, chart_of, warn_of_degrees
 from explorer.phase.disk import Disk
 from explorer.phase.lines import line_chart, line_slope
 from explorer.phase.states import Array, States

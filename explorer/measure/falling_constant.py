@@ -37,8 +37,8 @@ from explorer.measure.box_integrals import (
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, Range
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.falling_set import barrier, well
 from explorer.phase.lines import line_chart
-from explorer.phase.membership import barrier, well
 from explorer.phase.results import Table
 from explorer.phase.roots import changes_of_sign
 from explorer.phase.states import Array

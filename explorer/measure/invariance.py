@@ -17,8 +17,8 @@ from explorer.errors import InputError, number, whole
 from explorer.measure.density import Density
 from explorer.measure.sampling import Box, chunk_stream
 from explorer.measure.statistics import either_p
-from explorer.motion.parts import attended, blocks
 from explorer.motion.plan import Plan, plan
+from explorer.motion.threads import attended, blocks
 from explorer.motion.trajectories import trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import Result
@@ -162,17 +162,17 @@ class Pushed:
 def push_forward(
     disk: Disk, time: float, samples: int = 20_000, *, energy: float | None = None, seed: int = 0
 ) -> Pushed:
-    """Compare states drawn from dphi dphidot dsigma3 dsigma4 with others that have moved for a time.
+    """Compare states drawn from dphi dphidot dsigma3 dsigma4 with states that have moved for some time.
 
     Parameters
     ----------
     disk : Disk
     time : float
-        For which the second sample moves, in the units of the disk.
+        How long the second sample moves, in the units of the disk.
     samples : int
         States in each sample.
     energy : float, optional
-        States have energies up to this one, an invariant set (units of the disk; by default 3 m g r).
+        The largest energy of the states, an invariant set (units of the disk; by default 3 m g r).
     seed : int
         Of the draws.
 

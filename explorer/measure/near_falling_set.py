@@ -21,8 +21,8 @@ from explorer.measure.sampling import Stream
 from explorer.measure.tubes import TiltAndRate, counts_on, half_width
 from explorer.motion.orbits import KERNELS as OF_ENDS
 from explorer.motion.orbits import ends_of, smallest, tilts_on
-from explorer.motion.starts import motions_of, seen_from, status_at_start
-from explorer.phase.lines import LineChart, linear_constants, other_eta_hat
+from explorer.motion.starts import arc_starts_of, face_of, status_at_start
+from explorer.phase.lines import LineChart, motion_given, other_eta_hat
 from explorer.phase.states import Array, States
 
 BLOCK = 1 << 14
@@ -49,11 +49,11 @@ def smallest_tilts(states: States, count: int, accuracy: float) -> tuple[Array, 
 
     All approaches on one face are alike, so that two say all.
     """
-    code, own = compiled.status.Status, seen_from(states)
+    code, own = compiled.status.Status, face_of(states)
     status = status_at_start(states, sided=False)
     theta = np.where(status == code.FALLS, 0.0, np.nan)
     rows = np.flatnonzero(status == code.OK)
-    motions = motions_of(states, own).at(rows)
+    motions = arc_starts_of(states, own).at(rows)
     ends = ends_of(states.disk, motions)
     rises = own[rows] * states.rows.p[rows] > 0.0
     tilt, error = smallest(motions, ends) if count > 1 else tilts_on(rises & ends.crosses, motions, ends)
@@ -151,8 +151,8 @@ class NearFallingSet:
         theta = np.full(count, np.inf)
         s3, s4 = place.chart.rates(bar, eta)
         natural = np.stack([q, z, -place.phidot, s3 / q, face * s4])[:, rows]
-        exact = linear_constants(disk, bar[rows], eta[rows], np.full(rows.size, face > 0))
-        states = States(disk, np.ascontiguousarray(natural), np.zeros(rows.size, np.int8), exact)
+        motion = motion_given(disk, bar[rows], eta[rows], np.full(rows.size, face > 0))
+        states = States(disk, np.ascontiguousarray(natural), np.zeros(rows.size, np.int8), motion)
         theta[rows] = smallest_tilts(states, self.count, self.accuracy)[0]
         return Weighted(weight, theta)
 

@@ -49,7 +49,7 @@ def race_ridges(disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike) -> dict[s
     Raises
     ------
     InputError
-        Where the shapes do not go together.
+        Where the shapes do not fit together.
 
     Examples
     --------
@@ -160,7 +160,7 @@ def race_law(
     Raises
     ------
     InputError
-        Where the shapes do not go together.
+        Where the shapes do not fit together.
 
     Examples
     --------

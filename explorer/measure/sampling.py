@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, double_of, one_of, shown
-from explorer.phase.charts import ANGULAR, KNOWN, chart_of, recognise
+from explorer.phase.coordinates import ANGULAR, KNOWN, chart_of, recognise
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, States
 

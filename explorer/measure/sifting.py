@@ -8,7 +8,7 @@ from explorer import compiled
 from explorer.measure.sampling import Box, Ranges, Stream
 from explorer.measure.tallies import LOWEST_BIN, NO_ENDS, PER_DECADE, LogHistogram
 from explorer.phase.disk import Disk
-from explorer.phase.membership import obstacle
+from explorer.phase.falling_set import obstacle
 from explorer.phase.states import COORDINATES, Array
 
 # All states by nearer face and sign of eta, in the order of the compiled pass.

@@ -17,7 +17,7 @@ from explorer.motion.scan import Observable, Scan, scan
 from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.constants import constants_of
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.membership import Falls, falls
+from explorer.phase.falling_set import Falls, falls
 from explorer.phase.states import Array, States, require_states
 
 _MOST_POINTS = 4000  # a side; 16 million states, of which every array takes 128 MB
@@ -161,7 +161,7 @@ def slice_map(
     Raises
     ------
     InputError
-        Where the slice is none, or the observable is not known.
+        Where the slice cannot be read, or the observable is not known.
 
     Examples
     --------

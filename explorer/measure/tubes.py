@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from explorer.measure.box_integrals import ends_of_bar
 from explorer.measure.density import Density
 from explorer.measure.sampling import Range
-from explorer.motion.starts import motions_through
+from explorer.motion.starts import arc_starts
 from explorer.motion.turning_points import lowest_tilts
 from explorer.phase.disk import Disk
-from explorer.phase.lines import LinearConstants, LineChart, line_chart, other_eta_hat
+from explorer.phase.lines import LineChart, line_chart, motion_given, other_eta_hat
 from explorer.phase.states import Array, Rows
 
 # Half the width of a tube is sought by iteration. Each round overshoots by this much, so that it ends above the
@@ -152,9 +152,7 @@ class Tube:
         counted = density.inside(*given, energy) & counts_on(face, eta, other) & (width > 0.0)
         weight = np.where(counted, weight * width / mass, 0.0)
         weight[counted] *= density.shape(*(column[counted] for column in given))
-        theta, status = self._tilts(
-            place, LinearConstants(bar, eta, other), np.flatnonzero(weight > 0.0), accuracy
-        )
+        theta, status = self._tilts(place, bar, eta, np.flatnonzero(weight > 0.0), accuracy)
         unit = disk.rate_unit
         found = face * phi, face * phidot * unit, bar * unit, eta * unit, energy * disk.energy_unit
         return Draws(*found, weight, theta, status)
@@ -211,16 +209,14 @@ class Tube:
         return (fixed - m2 * eta) / m, eta, 2.0 * widest / abs(m)
 
     def _tilts(
-        self, place: "TiltAndRate", hats: LinearConstants, rows: NDArray[np.intp], accuracy: float
+        self, place: "TiltAndRate", bar: Array, eta: Array, rows: NDArray[np.intp], accuracy: float
     ) -> tuple[Array, NDArray[np.int8]]:
-        """theta_min and status of the rows that count; hats: with eta_hat in the place of eta."""
-        disk, (bar, *etas) = self.disk, hats
-        s3, s4 = place.chart.rates(bar, hats.eta_plus)
+        """theta_min and status of the rows that count; bar, eta: sigma3_bar and eta_hat."""
+        disk, (s3, s4) = self.disk, place.chart.rates(bar, eta)
         seen = Rows(*(column[rows] for column in (place.q, place.z, place.phidot, s3 / place.q, s4)))
-        linear = LinearConstants(bar[rows], *(disk.eta_hat_to_eta(eta[rows]) for eta in etas))
+        motion = motion_given(disk, bar[rows], eta[rows], np.ones(rows.size, np.bool_))
         code = np.zeros(rows.size, np.int8)
-        motions = motions_through(disk, seen, linear, seen.z >= 0.0)
-        out = lowest_tilts(disk, motions, accuracy, code)
+        out = lowest_tilts(disk, arc_starts(disk, seen, motion, seen.z >= 0.0), accuracy, code)
         theta, status = np.full(bar.size, np.nan), np.zeros(bar.size, np.int8)
         theta[rows], status[rows] = np.where(code == 0, out, np.nan), code
         return theta, status

@@ -108,12 +108,12 @@ class BothSides:
 
 
 def both_sides(state: States, eta_hat: float | None = None, t_end: float | None = None) -> BothSides:
-    """The motions on both sides of a point of F, and the limits of each side, through two falls or up to a time.
+    """The motions on both sides of a point of F, and the limit of each side, through two falls or up to a time.
 
     Parameters
     ----------
     state : States
-        One state, of a disk with I3 > 0. One beside F is moved onto it: phi, phidot and sigma3_bar are kept.
+        One state, of a disk with I3 > 0. A state beside F is moved onto F; phi, phidot and sigma3_bar are kept.
     eta_hat : float, optional
         Distance of the motions from F, above 0, in the units of the disk; by default 0.01 natural units.
     t_end : float, optional
@@ -133,7 +133,7 @@ def both_sides(state: States, eta_hat: float | None = None, t_end: float | None 
     Warns
     -----
     StateWarning
-        Where the state is moved by more than rounding of its rates, 1e-12 of them.
+        Where the state is moved by more than the rounding of its rates, taken as 1e-12 of their size.
 
     Notes
     -----

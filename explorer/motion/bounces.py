@@ -15,12 +15,12 @@ from explorer.motion.falls import KERNELS, departures_of_moving, fall_integrals
 from explorer.motion.orbits import KERNELS as OF_ENDS
 from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of, tilt_errors
 from explorer.motion.orbits_by_integration import integrated_orbits
-from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.plan import Plan, plan
-from explorer.motion.starts import Motions, motions_of, seen_from, status_of_period
+from explorer.motion.starts import ArcStarts, arc_starts_of, face_of, status_of_period
+from explorer.motion.threads import BLOCK, in_parts
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.falling_set import impact_speed
 from explorer.phase.lines import line_chart
-from explorer.phase.membership import impact_speed
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
 
@@ -101,15 +101,15 @@ def bounces(
     Parameters
     ----------
     states : States
-        One state of each motion, anywhere on it; the disk needs I3 > 0. An eta that was given, as
-        `constants_to_states` is, is taken as it is, however small.
+        One state of each motion, at any moment of it; the disk needs I3 > 0. An eta_hat that was given, as to
+        `constants_to_states`, is used as given, however small.
     count : int
         How many bounces of each, 1 to 100,000.
     accuracy : float
-        Error of the angles (rad), relative error of times and tilts, 1e-13 to 0.1. A coarser one takes less time.
-        Of angles that are so large that their 14th digit is more, that.
+        Error of the angles (rad), and relative error of times and tilts, 1e-13 to 0.1. Coarser is faster. No angle
+        is known better than to its 14th digit.
     jobs : int
-        Threads. `scan` goes through many states in batches instead, and shows how far it is.
+        Threads. For many states see `scan`, which works in batches and shows its progress.
     method : str
         'auto' or 'quadrature'; or 'rk4', 'rk8', 'dopri5', 'dop853', which follow each motion through one period in
         steps, to an accuracy of 1e-11 at best; the fall angle alone is by quadrature then, too.
@@ -127,7 +127,8 @@ def bounces(
 
     Notes
     -----
-    The tilt is periodic: bounces of one state have at most two theta_min, one on each face; two of them tell all.
+    The tilt is periodic: the bounces of one state have at most two different theta_min, one on each face, so two
+    bounces tell all about the tilt.
 
     race_angle = delta_chi - fall_angle, where fall_angle is the increase of chi along the limit motion with the
     same sigma3_bar and energy over its own stretch: from the vertical to flat and back where it crosses the
@@ -219,8 +220,8 @@ def _joined(parts: list[_Pairs]) -> _Pairs:
 def _pairs(states: States, how: Plan, first_only: bool) -> _Pairs:
     """first_only: nothing is asked but the first one; the other passage of a motion may stay unknown then."""
     disk, code, accuracy = states.disk, compiled.status.Status, how.accuracy
-    own, status = seen_from(states), status_of_period(states)
-    motions = motions_of(states, own)
+    own, status = face_of(states), status_of_period(states)
+    motions = arc_starts_of(states, own)
     rows, n = np.flatnonzero(status == code.OK), status.size
     some = motions.at(rows)
     ends = ends_of(disk, some)
@@ -244,7 +245,7 @@ def _pairs(states: States, how: Plan, first_only: bool) -> _Pairs:
 
 @np.errstate(invalid="ignore", divide="ignore")  # of motions that were not found
 def _pairs_of(
-    motions: Motions,
+    motions: ArcStarts,
     rises: NDArray[np.bool_],
     own: Array,
     ends: Ends,
@@ -289,7 +290,7 @@ def _pairs_of(
     )
 
 
-def _falls(disk: Disk, motions: Motions, ends: Ends, accuracy: float) -> compiled.passages.FallRow[Array]:
+def _falls(disk: Disk, motions: ArcStarts, ends: Ends, accuracy: float) -> compiled.passages.FallRow[Array]:
     """The falls with the constants of motions, from how these are at the vertical or would be."""
     Y, Y_far, K = motions.starts.Y, motions.Y_far, ends.vertical.K
     eta, size = np.where(abs(Y) <= abs(Y_far), Y, Y_far) * disk.body.I1, motions.starts.K

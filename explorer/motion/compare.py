@@ -30,9 +30,9 @@ class Comparison:
     Attributes
     ----------
     bounces : dict of Bounces
-        What each method answers, by its name.
+        The answer of each method, by its name.
     seconds : dict of float
-        How long it took, on the clock.
+        Time that each method took, on the clock.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def compare(
     accuracy: float = 1e-6,
     jobs: int = 1,
 ) -> Comparison:
-    """Ask several methods for the bounces of the same states.
+    """Compute the bounces of the same states by several methods.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def compare(
     Returns
     -------
     Comparison
-        The bounces by method, their times, and `differences` of a column; printed, a line for each method.
+        The bounces and times by method, and the `differences` of a column; printed, one line for each method.
 
     Raises
     ------

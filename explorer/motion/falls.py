@@ -10,7 +10,6 @@ from explorer import compiled
 from explorer.motion.arcs import PIECE, arcs_between, by_rules, from_place, integrals, places
 from explorer.motion.vertical import depth
 from explorer.phase.disk import Disk
-from explorer.phase.energy import potential_at_flat
 from explorer.phase.lines import line_slope
 from explorer.phase.states import Array
 
@@ -129,7 +128,7 @@ def vertical_above_flat(disk: Disk, sigma3_bar: Array) -> Array:
 def departures_of_energy(disk: Disk, sigma3_bar: Array, energy: Array) -> "compiled.passages.Departures":
     """Falls with these energies, as far as a difference of energies tells their start; natural units."""
     bar, given = np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy)
-    at_flat = potential_at_flat(disk.body, bar)
+    at_flat = disk.energy_at_flat(bar)
     level = given - at_flat
     moving = level - vertical_above_flat(disk, bar)
     return compiled.passages.Departures(bar, level, moving, _ROUNDING * (abs(given) + at_flat))

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.motion.arcs import from_place, next_inward, places
-from explorer.motion.parts import BLOCK, blocks
 from explorer.motion.passages_by_quadrature import from_vertical
+from explorer.motion.threads import BLOCK, blocks
 from explorer.motion.vertical import VerticalStarts, starts_at_vertical
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
@@ -61,7 +61,7 @@ class Forces(Result):
 def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot: ArrayLike) -> Forces:
     """Forces at the contact during passages; they are the same on both faces.
 
-    The motion is looked at on a grid, so the extremes are good to some digits.
+    The extremes are sought on a grid of points, and are good to a few digits.
 
     Parameters
     ----------
@@ -73,12 +73,12 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     Returns
     -------
     Forces
-        Least normal force and largest friction; NaN where `passages` would not take the input.
+        Least normal force and largest friction; NaN where `passages` would refuse the input.
 
     Raises
     ------
     InputError
-        For arguments that are no numbers or do not broadcast, and for a disk with I3 = 0.
+        For arguments that are not numbers or do not broadcast, and for a disk with I3 = 0.
 
     Notes
     -----

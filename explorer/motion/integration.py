@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion import precision
-from explorer.motion.parts import attended
 from explorer.motion.plan import FIXED, Plan
+from explorer.motion.threads import attended
 from explorer.phase.disk import Disk
+from explorer.phase.lines import Motion
 from explorer.phase.states import Array
 
 # Some thousand passages at the finest settings; only a start beside an equilibrium needs more.
@@ -29,21 +30,21 @@ _RUNS = 8  # finer ones at most, each slower than the one before
 
 
 class InitialValues(NamedTuple):
-    """Motions before they are followed: initial (5 or 10, n); linear (3, n): sigma3_bar, eta_plus and
-    eta_minus that they are held to, NaN: they run free; control (n): their steps or tolerances."""
+    """Motions before they are followed: initial (5 or 10, n); motion: the constants that they are held to;
+    control (n): their steps or tolerances."""
 
     disk: Disk
     plan: Plan
     initial: Array
-    linear: Array
+    motion: Motion
     status: NDArray[np.int8]
     control: Array
     max_steps: int = MAX_STEPS
 
     def at(self, rows: NDArray[np.intp]) -> InitialValues:
         """Some of them."""
-        initial, linear = (np.ascontiguousarray(part[:, rows]) for part in (self.initial, self.linear))
-        return self._replace(initial=initial, linear=linear, status=self.status[rows], control=self.control[rows])
+        initial, motion = np.ascontiguousarray(self.initial[:, rows]), self.motion.at(rows)
+        return self._replace(initial=initial, motion=motion, status=self.status[rows], control=self.control[rows])
 
     def finer(self, less: Array) -> InitialValues:
         """The same by steps that err by so much less: each (n), or all ()."""
@@ -77,10 +78,13 @@ def follow(
 ) -> Followed:
     """Follow motions until the event has taken all of the values, in their order."""
     n, disk, how = given.status.size, given.disk, given.plan
+    held = np.stack(given.motion[:3])
+    if not disk.body.I3 > 0.0:  # there are no such constants, and motions run free
+        held.fill(np.nan)
     moved, steps = np.full((3, n), np.nan), np.zeros(n, np.int32)
     found = Followed(np.empty((n, values.size, 10)), given.status.copy(), steps, moved)
     work = compiled.engine.Work(
-        *(how.kernel_method, given.max_steps, event, values, given.control, given.initial, given.linear),
+        *(how.kernel_method, given.max_steps, event, values, given.control, given.initial, held),
         *(found.status, found.out, steps, moved),
     )
     history = history or compiled.curves.History(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)

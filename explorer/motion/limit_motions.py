@@ -18,16 +18,16 @@ from numpy.typing import ArrayLike, NDArray
 from explorer.errors import InputError, number, shown, sign
 from explorer.motion.rise import KERNELS as RISE
 from explorer.motion.rise import Moving, Rise
-from explorer.motion.starts import Motions, motions_through
-from explorer.phase import membership
+from explorer.motion.starts import ArcStarts, arc_starts
+from explorer.phase import falling_set
 from explorer.phase.arguments import column
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.lines import line_chart, linear_constants
-from explorer.phase.membership import falls_of
+from explorer.phase.falling_set import falls_of
+from explorer.phase.lines import line_chart, motion_given
 from explorer.phase.results import Table
 from explorer.phase.states import Array, Rows, States, StateWarning, require_states
 
-KERNELS = *membership.KERNELS, *RISE, "falling.line_chart_batch"  # for `compiled.warmup`
+KERNELS = *falling_set.KERNELS, *RISE, "falling.line_chart_batch"  # for `compiled.warmup`
 _HALF_PI = 0.5 * np.pi
 _MOST_IMPACTS = 1e8  # their times take 0.8 GB, and a double has 8 digits left for the place between two
 # Of sigma3_bar over the energy: below, the rate of the race overflows, and no double tells the race from a jump.
@@ -203,25 +203,25 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     Parameters
     ----------
     state_on_f : States
-        One state, of a disk with I3 > 0. One beside F is moved onto it: its energy and sigma3_bar are taken, and
-        eta on the nearer face is set to 0. The result says as `missed` by how much.
+        One state, of a disk with I3 > 0. A state beside F is moved onto F: its energy and sigma3_bar are kept, and
+        eta on the nearer face is set to 0. `missed` of the result says how far it was moved.
     side : int
         Sign of eta from which F is approached, +1 or -1.
 
     Returns
     -------
     LimitMotion
-        The motion through all its impacts, to be called with times.
+        The motion through all its impacts; call it with times.
 
     Raises
     ------
     InputError
-        Where the disk would not fall from that state, for another side, and for more than one state.
+        Where the disk would not fall from that state, for a side that is not +1 or -1, and for several states.
 
     Warns
     -----
     StateWarning
-        Where the state is moved by more than rounding of its rates, 1e-12 of them.
+        Where the state is moved by more than the rounding of its rates, taken as 1e-12 of their size.
 
     Notes
     -----
@@ -265,7 +265,7 @@ def misses_f(limit: LimitMotion) -> bool:
     return abs(limit.missed) > _MEANT * max(limit.disk.rate_unit, abs(limit.sigma3_bar))
 
 
-def _onto_f(states: States, sigma3_bar: float, eta: Array, face: int) -> Motions:
+def _onto_f(states: States, sigma3_bar: float, eta: Array, face: int) -> ArcStarts:
     """The motion on F with the energy of a state, at its tilt; eta: by which it misses F."""
     disk, b, (q, z, p, _, _) = states.disk, states.disk.body, states.rows
     chart, bar = line_chart(disk, q, face * z), np.array([sigma3_bar])
@@ -275,7 +275,7 @@ def _onto_f(states: States, sigma3_bar: float, eta: Array, face: int) -> Motions
     rows = Rows(q, z, speed, sigma3 / q, face * sigma4)
     plus = np.array([face > 0])
     own = face * z >= 0.0
-    return motions_through(disk, rows, linear_constants(disk, bar, np.zeros(1), plus), plus == own)
+    return arc_starts(disk, rows, motion_given(disk, bar, np.zeros(1), plus), plus == own)
 
 
 def warn_of_move(limit: LimitMotion, level: int) -> None:

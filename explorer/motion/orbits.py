@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion.arcs import arcs_between, from_place, integrals, next_inward, places, some
-from explorer.motion.starts import Motions
+from explorer.motion.starts import ArcStarts
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
@@ -57,7 +57,7 @@ def _points() -> "compiled.nutation.Points":
     return compiled.nutation.make_points()
 
 
-def ends_of(disk: Disk, motions: Motions) -> Ends:
+def ends_of(disk: Disk, motions: ArcStarts) -> Ends:
     """The turning points of motions."""
     turning, n = compiled.turning_points, motions.starts.X.size
     tables = np.empty((4, len(turning.Place._fields), n))
@@ -71,7 +71,7 @@ def ends_of(disk: Disk, motions: Motions) -> Ends:
     return Ends(state, inner, outer, vertical, turning.Place(*far), crosses)
 
 
-def tilt_errors(motions: Motions, ends: Ends) -> tuple[Array, Array]:
+def tilt_errors(motions: ArcStarts, ends: Ends) -> tuple[Array, Array]:
     """The relative errors of the tilts where motions turn, on the face of their state and on the other one.
 
     Near F a tilt is in proportion to eta, and known as well as that.
@@ -79,18 +79,18 @@ def tilt_errors(motions: Motions, ends: Ends) -> tuple[Array, Array]:
     return ends.inner.error + motions.unsure, ends.far.error + motions.unsure_far
 
 
-def smallest(motions: Motions, ends: Ends) -> tuple[Array, Array]:
+def smallest(motions: ArcStarts, ends: Ends) -> tuple[Array, Array]:
     """The tilt at the flattest moment (rad), and its relative error."""
     return tilts_on(ends.far.r < ends.inner.r, motions, ends)
 
 
-def tilts_on(other: NDArray[np.bool_], motions: Motions, ends: Ends) -> tuple[Array, Array]:
+def tilts_on(other: NDArray[np.bool_], motions: ArcStarts, ends: Ends) -> tuple[Array, Array]:
     """Smallest tilts (rad), on the other face where `other`, else on that of the state; relative errors."""
     on_this, on_other = tilt_errors(motions, ends)
     return 2.0 * np.arctan(np.where(other, ends.far.r, ends.inner.r)), np.where(other, on_other, on_this)
 
 
-def closest_to_crest(disk: Disk, motions: Motions) -> Array:
+def closest_to_crest(disk: Disk, motions: ArcStarts) -> Array:
     """How near motions come to rest at a crest of the potential, on their way or beyond a turning point.
 
     The distance in x from there to the next zero of E - V, real or complex; inf where none is near.
@@ -118,7 +118,7 @@ def beyond(vertical: "compiled.turning_points.Place[Array]") -> "compiled.turnin
 
 def orbits_of(
     disk: Disk,
-    motions: Motions,
+    motions: ArcStarts,
     ends: Ends,
     accuracy: float,
     there: NDArray[np.bool_] | bool,
@@ -192,7 +192,7 @@ def _by_tables(disk: Disk, X: Array, Y: Array, K: Array) -> Array:
 
 
 @np.errstate(over="ignore")  # of motions that are no input
-def _wobbles(disk: Disk, motions: Motions, ends: Ends, rows: NDArray[np.intp]) -> tuple[Array, ...]:
+def _wobbles(disk: Disk, motions: ArcStarts, ends: Ends, rows: NDArray[np.intp]) -> tuple[Array, ...]:
     """Of motions whose turning points are near together the arc between these, and the same arcs as above."""
     inner, outer, vertical = (some(place, rows) for place in (ends.inner, ends.outer, ends.vertical))
     crosses, far = ends.crosses[rows], ends.far.d[rows]

@@ -13,11 +13,11 @@ from explorer import compiled
 from explorer.errors import InputError, jobs_of, number, shown
 from explorer.motion.arcs import OF_ANGLES
 from explorer.motion.falls import departures_beside, fall_integrals, rows_apart
-from explorer.motion.parts import BLOCK, blocks, in_parts
 from explorer.motion.passages_by_integration import by_integration
 from explorer.motion.passages_by_quadrature import by_quadrature
 from explorer.motion.plan import Plan, plan
 from explorer.motion.precision import asked
+from explorer.motion.threads import BLOCK, blocks, in_parts
 from explorer.motion.vertical import VerticalStarts, starts_at_vertical
 from explorer.phase.arguments import keywords_of, read_columns
 from explorer.phase.disk import Disk
@@ -138,8 +138,8 @@ def passages(
     sigma3_bar : array_like
         Constant of motion of eq. (3.5), units of the disk. The arrays broadcast; the result has their shape.
     eta_hat : array_like
-        Distance from the line of `face`, eq. (6.2), units of the disk, signed; 0 is a fall. Quadrature
-        takes it as it is, down to 1e-300.
+        Signed distance from the line of `face`, eq. (6.2), units of the disk; at 0 the disk falls. Quadrature
+        uses it as given, down to 1e-300.
     phidot : array_like
         Speed at the vertical towards flat, units of the disk, not negative.
     face : array_like
@@ -161,7 +161,7 @@ def passages(
     Raises
     ------
     InputError
-        For arguments that are no numbers, do not broadcast or cannot be used.
+        For arguments that are not numbers, do not broadcast or cannot be used.
 
     Notes
     -----

@@ -8,7 +8,7 @@ from explorer.motion.arcs import from_place, next_inward, places
 from explorer.motion.falls import OF_FALL, by_tables, rows_apart
 from explorer.motion.orbits import ends_of, orbits_of
 from explorer.motion.plan import Plan
-from explorer.motion.starts import Motions
+from explorer.motion.starts import ArcStarts
 from explorer.motion.vertical import VerticalStarts, depth
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
@@ -85,14 +85,14 @@ def as_arcs(
     return out, status
 
 
-def from_vertical(disk: Disk, crossings: "compiled.passages.Crossings") -> Motions:
+def from_vertical(disk: Disk, crossings: "compiled.passages.Crossings") -> ArcStarts:
     """Motions where they cross the vertical, as arcs need them."""
     b, (bar, eta, speed) = disk.body, crossings
     X, Y = bar / b.r0, eta / b.I1
     one, none = np.ones_like(bar), np.zeros_like(bar)
     K = np.where(speed > _AS_FROM_REST, 0.5 * b.M * speed * speed, 0.0)
     starts = compiled.turning_points.Starts(X, Y, K, one, none, bar, (X * b.dr0 - Y / b.r0) / b.k)
-    return Motions(starts, 2.0 * b.dr0 * bar - Y, none, none)
+    return ArcStarts(starts, 2.0 * b.dr0 * bar - Y, none, none)
 
 
 def _ways(

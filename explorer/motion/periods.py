@@ -14,12 +14,12 @@ from explorer.errors import InputError, jobs_of
 from explorer.motion.arcs import allowed
 from explorer.motion.orbits import ends_of, orbits_of, smallest
 from explorer.motion.orbits_by_integration import integrated_orbits
-from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.plan import Plan, plan
-from explorer.motion.starts import motions_of, seen_from, status_of_period
+from explorer.motion.starts import arc_starts_of, face_of, status_of_period
+from explorer.motion.threads import BLOCK, in_parts
 from explorer.motion.vertical import LARGEST
 from explorer.phase.disk import require_axial_inertia
-from explorer.phase.lines import linear_constants
+from explorer.phase.lines import motion_given
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, columns_of, require_states
 
@@ -77,7 +77,7 @@ def periods(
     *,
     method: str = "auto",
 ) -> Periods:
-    """Periods of the motions through `states`, from turning point to turning point.
+    """Periods of the motions through `states`.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def periods(
         state's own, which is only known to rounding: a state on F to rounding FALLS or is UNRESOLVED_SIDE
         without it. States made by `constants_to_states` keep the one they were made from.
     jobs : int
-        Threads, by default 1; the numbers do not depend on them.
+        Threads, by default 1; the results do not depend on their number.
     method : str
         As for `bounces`: 'auto', 'quadrature', or an integrator.
 
@@ -120,7 +120,7 @@ def periods(
     require_axial_inertia(disk)
     how = plan(("period",), accuracy, method)
     known = states if eta_hat is None else _with_eta_hat(states, eta_hat)
-    own, status = seen_from(known), status_of_period(known)
+    own, status = face_of(known), status_of_period(known)
     parts = in_parts(jobs_of("jobs", jobs), len(states), partial(_orbits, known, own, status, how), BLOCK)
     out, status = (np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True))
     found, ok = _Period(*out), status == compiled.status.Status.OK
@@ -158,7 +158,7 @@ def _orbits(
     answer, told = np.full((len(_Period._fields), rows.size), np.nan), status[rows]
     asked = np.flatnonzero(told == code.OK)
     known, own = states.at(rows[asked]), own[rows[asked]]
-    some = motions_of(known, own)
+    some = arc_starts_of(known, own)
     ends = ends_of(disk, some)
     if how.method == "quadrature":
         here, there, _lead = orbits_of(disk, some, ends, how.accuracy, True, False)
@@ -189,5 +189,5 @@ def _with_eta_hat(states: States, eta_hat: ArrayLike) -> States:
     if given.size != len(states):
         raise InputError(f"eta_hat broadcasts to {given.size} entries for {len(states)} states; give one for each")
     good = (states.status == code.OK) & (abs(given) < LARGEST)
-    exact = linear_constants(states.disk, sigma3_bar, np.where(good, given, 1.0), states.rows.z >= 0.0)
-    return replace(states, exact=exact, status=np.where(good, states.status, code.BAD_INPUT).astype(np.int8))
+    motion = motion_given(states.disk, sigma3_bar, np.where(good, given, 1.0), states.rows.z >= 0.0)
+    return replace(states, given=motion, status=np.where(good, states.status, code.BAD_INPUT).astype(np.int8))

@@ -14,10 +14,10 @@ from explorer import compiled
 from explorer.motion import calibration
 from explorer.motion.orbits import closest_to_crest
 from explorer.motion.plan import PATH, Plan
-from explorer.motion.starts import motions_through
+from explorer.motion.starts import arc_starts
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
-from explorer.phase.lines import ConstantsOfMotion
+from explorer.phase.lines import Motion
 from explorer.phase.states import Array, Rows
 
 PASSAGE = 2.0  # units of time that a passage takes: errors add up over them
@@ -80,9 +80,7 @@ def asked(how: Plan, time: float) -> float:
     return math.inf if how.setting is not None else how.accuracy * max(1.0, time / PASSAGE)
 
 
-def amplified_at(
-    disk: Disk, how: Plan, initial: Array, start: ConstantsOfMotion, time: float
-) -> tuple[Array, Array]:
+def amplified_at(disk: Disk, how: Plan, initial: Array, start: Motion, time: float) -> tuple[Array, Array]:
     """How many times as much motions (n) amplify errors up to a time, and the same where holding them shows it.
 
     It does not, and the second is infinite, where motions spin fast, or long, so that errors of the phase add up
@@ -93,7 +91,7 @@ def amplified_at(
     speed = speed_at_vertical(disk, start)
     if time > LINGERS and disk.body.I3 > 0.0:
         rows = Rows(*initial[:5])
-        speed = np.fmin(speed, closest_to_crest(disk, motions_through(disk, rows, start.linear, rows.z >= 0.0)))
+        speed = np.fmin(speed, closest_to_crest(disk, arc_starts(disk, rows, start, rows.z >= 0.0)))
     amplified, moved = amplification(speed), centre_speed(disk, start.energy)
     hidden = (moved * max(1.0, time / PASSAGE) > _PERIODS) | ((amplified > _AMPLIFIED) & (time > LINGERS))
     seen = amplified
@@ -143,7 +141,7 @@ def centre_speed(disk: Disk, energy: Array) -> Array:
     return np.asarray(np.sqrt(2.0 * energy / disk.body.J))
 
 
-def speed_at_vertical(disk: Disk, start: ConstantsOfMotion) -> Array:
+def speed_at_vertical(disk: Disk, start: Motion) -> Array:
     """How fast motions pass the vertical or, where they turn before, would at as much more energy as they lack."""
     sigma4_bar = 0.5 * disk.eta_to_eta_hat(start.eta_minus - start.eta_plus)
     there = energy_at(disk.body, 0.0, start.sigma3_bar, sigma4_bar, 1.0)

@@ -14,10 +14,10 @@ from explorer import compiled
 from explorer.errors import InputError
 from explorer.motion import precision
 from explorer.motion.integration import Followed, InitialValues, follow, follow_accurately
-from explorer.motion.parts import blocks, in_parts
 from explorer.motion.plan import PATH, Plan
-from explorer.motion.starts import held_constants, status_at_start
-from explorer.phase.lines import LinearConstants, motion_through
+from explorer.motion.starts import status_at_start
+from explorer.motion.threads import blocks, in_parts
+from explorer.phase.lines import motion_through
 from explorer.phase.states import Array, States
 
 # Chords of such arcs of the rim stay within half a per cent of the radius.
@@ -46,8 +46,8 @@ def motions(states: States, how: Plan, chi0: float, max_steps: int) -> InitialVa
     control = np.full(len(states), how.control)
     if how.level == PATH and not how.adaptive:
         control = np.fmin(control, compiled.attempt.MOST_TURNED / states.disk.kappa)
-    held, status = held_constants(states), status_at_start(states)
-    return InitialValues(states.disk, how.in_time, initial, held, status, control, max_steps)
+    status = status_at_start(states)
+    return InitialValues(states.disk, how.in_time, initial, states.motion, status, control, max_steps)
 
 
 def sample(motions: InitialValues, times: Array, jobs: int = 1) -> tuple[Array, Outcome]:
@@ -63,9 +63,7 @@ def _joined(parts: list[Outcome]) -> Outcome:
 def _sample(given: InitialValues, times: Array) -> tuple[Array, Outcome, InitialValues]:
     """The same, and the motions with the steps by which they are as accurate as was asked."""
     disk, how, code, n = given.disk, given.plan, compiled.status.Status, given.status.size
-    start, last = motion_through(disk, given.initial[:5]), float(times[-1])
-    if disk.body.I3 > 0.0:  # they may have been given
-        start = start._replace(**LinearConstants(*given.linear)._asdict())
+    start, last = given.motion, float(times[-1])
     later = times[times > 0.0]  # the kernel takes values above 0; the state at 0 is known
     if later.size == 0:
         out, none = np.empty((n, 0, 10)), np.where(given.status == code.OK, 0.0, np.nan)

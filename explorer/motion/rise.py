@@ -18,7 +18,7 @@ from explorer import compiled
 from explorer.errors import InputError
 from explorer.motion.arcs import from_place, places
 from explorer.motion.orbits import beyond, ends_of
-from explorer.motion.starts import Motions
+from explorer.motion.starts import ArcStarts
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
@@ -104,7 +104,7 @@ class Rise:
     was given. upright: whether it ends at the other flat state. impact_speed: its speed at flat.
     """
 
-    def __init__(self, disk: Disk, motions: Motions, crossed: bool) -> None:
+    def __init__(self, disk: Disk, motions: ArcStarts, crossed: bool) -> None:
         """motions: the one through the state; crossed: whether that is beyond the vertical."""
         X = motions.starts.X
         Y = (motions.Y_far, motions.starts.Y) if crossed else (motions.starts.Y, motions.Y_far)

@@ -14,7 +14,7 @@ from explorer.motion.bounces import bounces
 from explorer.motion.periods import periods
 from explorer.phase.arguments import returned_numbers
 from explorer.phase.constants import constants_of
-from explorer.phase.membership import falls_of
+from explorer.phase.falling_set import falls_of
 from explorer.phase.results import Table
 from explorer.phase.states import COORDINATES, States, require_states
 
@@ -94,7 +94,7 @@ def scan(
     batch: int = BATCH,
     progress: bool | None = None,
 ) -> Scan:
-    """Compute observables of every state: by name, or by a function of one's own.
+    """Compute observables of every state: by name, or by a function of your own.
 
     Parameters
     ----------
@@ -106,11 +106,11 @@ def scan(
         the next approach to flat. Or a function f(batch) of `States` that returns an array with one entry for
         each state, or a dict of such arrays; it may call `constants`, `bounces`, `simulate` and so on.
     jobs : int
-        Threads; the order of calls is then not defined.
+        Threads; the function is then called in no particular order.
     batch : int
         States in one call of the function, which bounds the memory.
     progress : bool, optional
-        Whether to show a bar; by default on a terminal, where it takes longer than two seconds.
+        Whether to show a progress bar; by default on a terminal, if the work takes longer than two seconds.
 
     Returns
     -------
@@ -120,9 +120,9 @@ def scan(
     Raises
     ------
     InputError
-        Where a name is not known, or the function does not return one real number, or a row of them, for each
-        state, and where it calls an array by no text, or by the name of a coordinate or of the status. What the
-        function raises passes through.
+        For an unknown name; where the function does not return one real number, or a row of them, for each
+        state; and where it names an array like a coordinate or the status. What the function itself raises passes
+        through.
 
     Examples
     --------

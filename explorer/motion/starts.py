@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.phase.disk import Disk
-from explorer.phase.lines import LinearConstants
-from explorer.phase.membership import falls_of
+from explorer.phase.falling_set import falls_of
+from explorer.phase.lines import Motion
 from explorer.phase.states import Array, Rows, States
 
 # An error in eta above this share of |eta| makes the direction of the race doubtful. Ten times stricter than the
@@ -39,14 +39,7 @@ def status_of_period(states: States) -> NDArray[np.int8]:
     return np.where((status == code.OK) & zero, code.FALLS, status).astype(np.int8)
 
 
-def held_constants(states: States) -> Array:
-    """The linear constants (3, n) that trajectories are held to; with I3 = 0 they are NaN and these run free."""
-    if not states.disk.body.I3 > 0.0:
-        return np.full((3, len(states)), np.nan)
-    return np.nan_to_num(np.stack(states.motion.linear))
-
-
-def seen_from(states: States) -> Array:
+def face_of(states: States) -> Array:
     """The face, +1 or -1, in whose hemisphere states are; one that crosses the vertical is in both.
 
     That one is seen from the face of the smaller |eta|, and at rest from the one to which it begins to fall.
@@ -56,37 +49,36 @@ def seen_from(states: States) -> Array:
     return np.where((z > 0.0) | ((z == 0.0) & plus), 1.0, -1.0)
 
 
-class Motions(NamedTuple):
-    """Motions through states, natural units, as seen from the face in whose hemisphere these are; Y_far: of the
-    other one. unsure, unsure_far: the share of Y and of Y_far that rounding of the state leaves unknown."""
+class ArcStarts(NamedTuple):
+    """What arcs of motions start from, natural units, as seen from one face; Y_far: Y of the other face.
+
+    unsure, unsure_far: the share of Y and of Y_far that rounding of the state leaves unknown.
+    """
 
     starts: "compiled.turning_points.Starts"
     Y_far: Array
     unsure: Array
     unsure_far: Array
 
-    def at(self, rows: NDArray[np.intp]) -> "Motions":
-        """Some of the motions."""
+    def at(self, rows: NDArray[np.intp]) -> "ArcStarts":
+        """Some of them."""
         starts = compiled.turning_points.Starts(*(column[rows] for column in self.starts))
-        return Motions(starts, self.Y_far[rows], self.unsure[rows], self.unsure_far[rows])
+        return ArcStarts(starts, self.Y_far[rows], self.unsure[rows], self.unsure_far[rows])
 
 
-def motions_of(states: States, seen: Array) -> Motions:
-    """Motions as arcs need them, seen from faces; states that are no input give any numbers."""
-    plus, motion = seen > 0.0, states.motion
-    with np.errstate(divide="ignore", invalid="ignore"):  # of motions on F, which have no theta_min
-        near, far = (motion.rounding(face) / abs(motion.eta(face)) for face in (plus, ~plus))
-    found = motions_through(states.disk, states.rows, motion.linear, plus)
-    return found._replace(unsure=near, unsure_far=far)
+def arc_starts_of(states: States, face: Array) -> ArcStarts:
+    """The same of states, each seen from a face; states that are no input give any numbers."""
+    return arc_starts(states.disk, states.rows, states.motion, face > 0.0)
 
 
-@np.errstate(over="ignore", invalid="ignore")
-def motions_through(disk: Disk, rows: Rows, linear: LinearConstants, plus: NDArray[np.bool_]) -> Motions:
-    """The same of rows of states and constants that are known; plus: whether each is seen from face +1."""
+@np.errstate(over="ignore", divide="ignore", invalid="ignore")  # motions on F have no theta_min
+def arc_starts(disk: Disk, rows: Rows, motion: Motion, plus: NDArray[np.bool_]) -> ArcStarts:
+    """The same of rows of states and their motions; plus: whether each is seen from face +1."""
     b, (q, z, p, ratio, sigma4) = disk.body, rows
-    near = np.where(plus, linear.eta_plus, linear.eta_minus) / b.I1
-    far = np.where(plus, linear.eta_minus, linear.eta_plus) / b.I1
+    near, far = motion.eta(plus), motion.eta(~plus)
+    unsure, unsure_far = motion.rounding(plus) / abs(near), motion.rounding(~plus) / abs(far)
     r, w = q / (1.0 + abs(z)), 2.0 * abs(z) / (1.0 + abs(z))
-    columns = linear.sigma3_bar / b.r0, near, 0.5 * b.M * p * p, r, w, q * ratio, np.where(plus, sigma4, -sigma4)
-    none = np.zeros(far.size)
-    return Motions(compiled.turning_points.Starts(*map(np.ascontiguousarray, columns)), far, none, none)
+    spin = np.where(plus, sigma4, -sigma4)
+    columns = motion.sigma3_bar / b.r0, near / b.I1, 0.5 * b.M * p * p, r, w, q * ratio, spin
+    starts = compiled.turning_points.Starts(*map(np.ascontiguousarray, columns))
+    return ArcStarts(starts, far / b.I1, unsure, unsure_far)

@@ -195,8 +195,9 @@ def simulate(
 ) -> Trajectories:
     """Follow motions in time from their initial states, at times as dense as each motion needs.
 
-    sigma3_bar, eta and the energy are held; what was taken out of the energy is reported as its error. An eta_hat
-    that was given is kept, down to 1e-300. A state on the falling set FALLS.
+    Every step is put back onto the constants sigma3_bar, eta and the energy; how far it had left the energy is
+    reported as its error. An eta_hat that was given is kept, down to 1e-300. A state on the falling set has the
+    status FALLS.
 
     Parameters
     ----------
@@ -211,12 +212,12 @@ def simulate(
     method : str
         'auto' (the cheaper adaptive pair), 'rk4', 'rk8', 'dopri5' or 'dop853'.
     accuracy : float
-        Error of angles (rad) and path (r) per passage, in 2 sqrt(r/g) of time, 1e-11 to 0.1; over k passages it
-        grows like k; inside a race it is that of its time.
+        Error of angles (rad) and path (in r) per passage, a time of about 2 sqrt(r/g), 1e-11 to 0.1. Over k
+        passages it grows like k. Inside a race it is the error of the time at which the race happens.
     chi0 : float
         Contact angle at the start (rad), -1e4 to 1e4.
     max_steps : int
-        Most steps of a run, to 10^9.
+        The most steps that a motion may take, up to 10^9.
     jobs : int
         Threads.
 

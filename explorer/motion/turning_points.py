@@ -10,7 +10,7 @@ from explorer import compiled
 from explorer.motion import integration, precision
 from explorer.motion.orbits import KERNELS, ends_of, smallest
 from explorer.motion.plan import Plan
-from explorer.motion.starts import Motions, held_constants, motions_of, seen_from, status_at_start
+from explorer.motion.starts import ArcStarts, arc_starts_of, face_of, status_at_start
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 
@@ -48,7 +48,7 @@ def turning_points(states: States, how: Plan, slow: Array | float = 1.0) -> Turn
     """
     amplified = np.asarray(slow)
     given = integration.InitialValues(
-        *(states.disk, how, states.natural, held_constants(states), status_at_start(states)),
+        *(states.disk, how, states.natural, states.motion, status_at_start(states)),
         np.full(len(states), how.control),
     ).finer(precision.less_where_amplified(how, amplified))
 
@@ -91,13 +91,13 @@ def smallest_tilt(
     if how.method == "quadrature":
         status = status_at_start(states, sided=False) if of_states is None else of_states.copy()
         steps = np.zeros(len(states), np.int32)
-        theta = lowest_tilts(states.disk, motions_of(states, seen_from(states)), how.accuracy, status)
+        theta = lowest_tilts(states.disk, arc_starts_of(states, face_of(states)), how.accuracy, status)
     else:
         theta, status, steps = _both_ways(states, how)
     return np.where(status == code.OK, theta, np.nan), status, steps
 
 
-def lowest_tilts(disk: Disk, motions: Motions, accuracy: float, status: NDArray[np.int8]) -> Array:
+def lowest_tilts(disk: Disk, motions: ArcStarts, accuracy: float, status: NDArray[np.int8]) -> Array:
     """The tilt of motions at their flattest moment (rad), from where E - V is 0.
 
     status: samples that come in as not OK are skipped; it becomes the outcome's.

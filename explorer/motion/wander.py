@@ -68,7 +68,7 @@ class Wander:
 
 
 def wander(states: States) -> Wander:
-    """By how much motions shift the disk over the table in one period.
+    """How far, and which way, the disk moves over the table in one period.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def wander(states: States) -> Wander:
     Raises
     ------
     InputError
-        Where something else than States is given, and for a disk with I3 = 0.
+        For anything but States, and for a disk with I3 = 0.
 
     References
     ----------
@@ -115,7 +115,7 @@ def wander(states: States) -> Wander:
 def resonance(
     disk: Disk, eta_hat: float, phidot: float, turns: int, between: tuple[float, float]
 ) -> tuple[float, States]:
-    """The motion that walks away: sigma3_bar for which chi(tau) is a whole number of turns.
+    """The motion that walks away over the table: the sigma3_bar at which chi(tau) is a whole number of turns.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def resonance(
     Raises
     ------
     InputError
-        Where the resonance does not lie between them, or there is no period.
+        Where there is no resonance between the two values, or no period.
 
     Examples
     --------
@@ -208,7 +208,7 @@ class WanderPath:
 
 
 def wander_path(states: States, count: int) -> WanderPath:
-    """Follow one motion over whole periods by integration, at times that are dense where it races.
+    """Follow one motion over whole periods by integration, at times that are dense where the contact point races.
 
     Parameters
     ----------
@@ -224,7 +224,7 @@ def wander_path(states: States, count: int) -> WanderPath:
     Raises
     ------
     InputError
-        For several states, and for one without a period or whose path cannot be integrated.
+        For several states, and for a state that has no period or whose path cannot be integrated.
 
     Examples
     --------

@@ -81,7 +81,7 @@ def constants(states: States) -> Constants:
     Returns
     -------
     Constants
-        One entry per state; NaN and status BAD_INPUT where it is not finite or already flat.
+        One entry per state; NaN, with status BAD_INPUT, where a state is not finite or already flat.
 
     Raises
     ------
@@ -90,8 +90,8 @@ def constants(states: States) -> Constants:
 
     Notes
     -----
-    Eqs (3.5), (6.2) and (2.19) of the paper, to full relative accuracy near both flat states. Near flat phi has
-    no digits left: for such states see `theta_to_states`.
+    Eqs (3.5), (6.2) and (2.19) of the paper, to full relative accuracy near both flat states. So near flat phi
+    itself has too few digits: give such states by `theta_to_states`.
 
     Examples
     --------

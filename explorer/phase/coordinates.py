@@ -1,4 +1,4 @@
-"""States from other coordinates than the charts': what an experimenter measures, or constants of motion.
+"""States from coordinates by name: which chart the names belong to, and the states in it.
 
 The charts of `states` are (phi or theta, its rate, sigma3, sigma4). Here a tilt may be combined with precession
 and spin, with constants of motion in place of sigma3 and sigma4, or with the energy in place of the rate.
@@ -7,23 +7,24 @@ and spin, with constants of motion in place of sigma3 and sigma4, or with the en
 from __future__ import annotations
 
 import warnings
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, TypedDict, Unpack
+from typing import Any, NamedTuple, TypedDict, TypeVar, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from explorer.errors import InputError, flag, one_of
 from explorer.phase.arguments import read_columns
+from explorer.phase.columns import ANGLE, COLUMNS, RATE
 from explorer.phase.disk import Disk, require_axial_inertia, require_disk
 from explorer.phase.energy import energy_at
-from explorer.phase.lines import line_chart, line_slope, linear_constants
+from explorer.phase.lines import line_chart, line_slope, motion_given
 from explorer.phase.states import Array, States, StateWarning, phi_to_states, theta_to_states
 
-# What may stand for the spins, and for the rate of the tilt, beside the tilt phi itself.
-SPINS = (("sigma3", "sigma4"), ("sigma3_bar", "sigma4_bar"), ("sigma3_bar", "eta_hat"))
-SPEEDS = ("phidot", "energy")
+T = TypeVar("T")
+# What may stand for the spins.
+_SPINS = (("sigma3", "sigma4"), ("sigma3_bar", "sigma4_bar"), ("sigma3_bar", "eta_hat"))
 
 
 class Coordinates(TypedDict, total=False):
@@ -31,6 +32,12 @@ class Coordinates(TypedDict, total=False):
 
     phi: ArrayLike
     phidot: ArrayLike
+    theta: ArrayLike
+    thetadot: ArrayLike
+    tilt: ArrayLike
+    tilt_rate: ArrayLike
+    precession: ArrayLike
+    spin: ArrayLike
     energy: ArrayLike
     sigma3: ArrayLike
     sigma4: ArrayLike
@@ -49,7 +56,7 @@ def rates_to_states(
     face: ArrayLike = 1,
     degrees: bool = False,
 ) -> States:
-    """States from what an experimenter knows: the tilt, the rate at which the disk precesses, and its spin.
+    """States from what an experimenter measures: the tilt, the rate at which the disk precesses, and its spin.
 
     Parameters
     ----------
@@ -61,8 +68,8 @@ def rates_to_states(
         Rates (units of the disk) of the tilt, positive where the disk rises, and at which the contact point turns
         about the vertical.
     spin : array_like
-        Angular velocity about the disk's own axis (units of the disk), as a gyroscope on it reads. A disk
-        that does not turn relative to the line of contact has face * precession * cos(tilt).
+        Angular velocity about the disk's own axis (units of the disk), as a gyroscope on the disk would read it. A
+        disk that keeps the same point on the table has face * precession * cos(tilt).
     face : array_like of +1 or -1
         Which face would come down: +1 for flat at phi = +pi/2, -1 for flat at phi = -pi/2.
     degrees : bool
@@ -71,7 +78,7 @@ def rates_to_states(
     Returns
     -------
     States
-        What is not finite, or no tilt between 0 and pi, has the status BAD_INPUT.
+        The status is BAD_INPUT where a number is not finite or a tilt does not lie between 0 and pi.
 
     Raises
     ------
@@ -81,7 +88,7 @@ def rates_to_states(
     Warns
     -----
     StateWarning
-        Where tilts lie outside 0 to pi, or all of them beyond upright, as degrees that are read as radians do.
+        Where tilts lie outside 0 to pi, or all of them beyond upright, which suggests that they are in degrees.
 
     Examples
     --------
@@ -146,21 +153,23 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
     disk : Disk
         The disk.
     **coordinates
-        Three or four arrays, which broadcast. phi : angle to the vertical (rad), 0 where it is left out. One of
+        Three to five arrays, which broadcast. phi : angle to the vertical (rad), 0 where it is left out. One of
         phidot : its rate (units of the disk), or energy : which then gives phidot >= 0. And two of the rates
         (units of the disk) sigma3 : with sigma4 : of eq. (2.14), or the constants of motion sigma3_bar : with
         sigma4_bar : or with eta_hat : of the face +1 or -1 that face : says, +1 where it is left out.
+        Also the arguments of `theta_to_states` (theta, thetadot, sigma3, sigma4 and face), or of
+        `rates_to_states` in radians (tilt, tilt_rate, which is 0 where it is left out, precession, spin and face).
 
     Returns
     -------
     States
-        Where the energy is too small for the place, the status is BAD_INPUT. Constants of motion that are given
-        are kept as they are, so that eta_hat may be smaller than a state's rounding.
+        The status is BAD_INPUT where the energy is too small for the tilt. Constants of motion are kept as given,
+        so that eta_hat may be smaller than the rounding of a state.
 
     Raises
     ------
     InputError
-        Where the names are no complete set, or an argument is not a number.
+        Where the names do not make a complete set, or an argument is not a number.
 
     Examples
     --------
@@ -174,12 +183,23 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
     Eqs (3.5), (6.2) and (2.19) of Cushman & Duistermaat (2006).
     """
     require_disk(disk)
-    spins, speed = complete_set(coordinates, f"coordinates {', '.join(coordinates) or 'none'}")
-    names = ("phi", speed, *spins, "face")
-    given: dict[str, Any] = {"phi": 0.0, "face": 1, **coordinates}
-    (phi, rate, first, second, face), shape = read_columns({name: given[name] for name in names})
+    given: dict[str, Any] = dict(coordinates)
+    if not {"theta", "tilt"} & given.keys():
+        given.setdefault("phi", 0.0)
+    chart, values = chart_of("coordinates", given, 0.0)
+    return chart.make(disk, **values)
+
+
+def _from_constants(disk: Disk, **given: ArrayLike) -> States:
+    """States from an energy, or from constants of motion in the place of sigma3 and sigma4."""
+    spins = next(pair for pair in _SPINS if set(pair) <= given.keys())
+    speed = "energy" if "energy" in given else "phidot"
+    given = {"phi": 0.0, "face": 1, **given}
+    (phi, rate, first, second, face), shape = read_columns(
+        {name: given[name] for name in ("phi", speed, *spins, "face")}
+    )
     inside = np.isfinite(phi) & (abs(phi) < 0.5 * np.pi) & (abs(face) == 1.0)
-    exact = None
+    motion = None
     if spins != ("sigma3", "sigma4"):
         require_axial_inertia(disk)
         with np.errstate(invalid="ignore", over="ignore"):
@@ -189,29 +209,13 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
         chart = line_chart(disk, np.cos(angle), seen * np.sin(angle))
         unit = disk.rate_unit
         with np.errstate(invalid="ignore", over="ignore"):
-            exact = linear_constants(disk, first / unit, eta_hat / unit, seen > 0.0)
+            motion = motion_given(disk, first / unit, eta_hat / unit, seen > 0.0)
             first, second = chart.rates(first, eta_hat)
         second = seen * second
     if speed == "energy":
         rate = _speed(disk, np.where(inside, phi, 0.0), rate, first, second)
     states = phi_to_states(disk, np.where(inside, phi, np.nan), rate, first, second)
-    return replace(states, exact=exact, shape=shape)
-
-
-def complete_set(names: Collection[str], what: str) -> tuple[tuple[str, str], str]:
-    """The pair that gives the spins and the name that gives the speed. Raises InputError, which says `what`."""
-    for name in names:
-        one_of("coordinate", name, Coordinates.__annotations__)
-    given = set(names) - {"phi"}
-    for spins in SPINS:
-        for speed in SPEEDS:
-            may = {"face"} if "eta_hat" in spins else set()
-            if given - may == {speed, *spins}:
-                return spins, speed
-    pairs = ", or ".join(" with ".join(pair) for pair in SPINS)
-    raise InputError(
-        f"{what}: give phidot or energy, and {pairs}; phi is 0 if left out, and face belongs to eta_hat"
-    )
+    return replace(states, given=motion, shape=shape)
 
 
 def _speed(disk: Disk, phi: Array, energy: Array, sigma3: Array, sigma4: Array) -> Array:
@@ -220,3 +224,113 @@ def _speed(disk: Disk, phi: Array, energy: Array, sigma3: Array, sigma4: Array) 
     with np.errstate(invalid="ignore", over="ignore"):
         left = energy / disk.energy_unit - energy_at(disk.body, 0.0, sigma3 / (q * unit), sigma4 / unit, q)
         return np.sqrt(np.where(left >= 0.0, left, np.nan) * 2.0 / disk.body.M) * unit
+
+
+class Chart(NamedTuple):
+    """Coordinates that say where a state is.
+
+    names: all of them, in their order. optional: those that may be left out, and mean what `make` takes then: a
+    tilt or a rate 0, and face +1. make: called with the disk and arrays by name.
+    """
+
+    names: tuple[str, ...]
+    optional: tuple[str, ...]
+    make: Callable[..., States]
+
+    @property
+    def needed(self) -> tuple[str, ...]:
+        """Those that must be there."""
+        return tuple(name for name in self.names if name not in self.optional)
+
+    def present(self, names: Collection[str]) -> tuple[str, ...]:
+        """The coordinates of this chart among `names`."""
+        return tuple(name for name in self.names if name in names)
+
+    def in_radians(self, names: Collection[str]) -> tuple[str, ...]:
+        """Those of them that are angles or rates of angles."""
+        return tuple(name for name in self.present(names) if name in ANGULAR)
+
+    def states(self, disk: Disk, columns: Mapping[str, Array], degrees: bool = False) -> States:
+        """The states of a table. degrees: whether angles and rates are in degrees; energies never are."""
+        used = {name: columns[name] for name in self.present(columns)}
+        if "tilt" in used and not degrees:
+            warn_of_degrees(used["tilt"])
+        if degrees:
+            used |= {name: np.radians(used[name]) for name in self.in_radians(used)}
+        return self.make(disk, **used)
+
+
+def _from_rates(
+    disk: Disk,
+    tilt: ArrayLike,
+    precession: ArrayLike,
+    spin: ArrayLike,
+    tilt_rate: ArrayLike = 0.0,
+    face: ArrayLike = 1,
+) -> States:
+    """A disk whose tilt_rate is not said is at the highest or the lowest point of its motion."""
+    given = {"tilt": tilt, "tilt_rate": tilt_rate, "precession": precession, "spin": spin, "face": face}
+    (*columns, down), shape = read_columns(given)
+    return replace(from_rates(disk, columns, down), shape=shape)
+
+
+# In the order in which they are tried: what says most directly where the disk is comes first. The angle phi may be
+# left out only beside constants of motion, which are values at the vertical; then it is 0.
+CHARTS = (
+    Chart(("phi", "phidot", "sigma3", "sigma4"), (), phi_to_states),
+    Chart(("theta", "thetadot", "sigma3", "sigma4", "face"), ("face",), theta_to_states),
+    Chart(("tilt", "tilt_rate", "precession", "spin", "face"), ("tilt_rate", "face"), _from_rates),
+    Chart(("phi", "energy", "sigma3", "sigma4"), (), _from_constants),
+    Chart(("phi", "phidot", "sigma3_bar", "eta_hat", "face"), ("phi", "face"), _from_constants),
+    Chart(("phi", "energy", "sigma3_bar", "eta_hat", "face"), ("phi", "face"), _from_constants),
+    Chart(("phi", "phidot", "sigma3_bar", "sigma4_bar"), ("phi",), _from_constants),
+    Chart(("phi", "energy", "sigma3_bar", "sigma4_bar"), ("phi",), _from_constants),
+)
+KNOWN = tuple(dict.fromkeys(name for chart in CHARTS for name in chart.names))
+ANGULAR = tuple(name for name in KNOWN if COLUMNS[name].unit in (ANGLE, RATE))  # what may be in degrees
+
+
+def recognise(names: Collection[str], what: str = "states") -> Chart:
+    """The chart that a table with columns of these names is in; other columns are the user's own.
+
+    what: how the message calls the table. Raises InputError, with the charts, where no chart is complete.
+    """
+    for chart in CHARTS:
+        if set(chart.needed) <= set(names):
+            _refuse_misspelt(chart, names, what)
+            return chart
+    there = [name for name in names if name in KNOWN]
+    if there:
+        nearest = max(CHARTS, key=lambda chart: len(set(chart.needed) & set(there)) / len(chart.needed))
+        missing = [name for name in nearest.needed if name not in there]
+        raise InputError(f"{what}: {', '.join(there)}: these alone say no state; add {' and '.join(missing)}")
+    shown = ", ".join(list(names)[:6]) or "no columns"
+    sets = "; ".join(", ".join(chart.needed) for chart in CHARTS[:5])
+    raise InputError(f"{what}: has {shown}, which say no state; name columns as in one of: {sets}")
+
+
+def chart_of(what: str, given: Mapping[str, T], zero: T) -> tuple[Chart, dict[str, T]]:
+    """The chart of coordinates that are given by name, and these in its order; but for the face none is left out.
+
+    zero: stands for what may be left out. Raises InputError for a name that is no coordinate, and for too many.
+    """
+    for name in given:
+        one_of(f"{what}: coordinate", name, KNOWN)
+    chart = recognise(given, what)
+    unused = [name for name in given if name not in chart.names]
+    if unused:
+        raise InputError(f"{what}: {', '.join(unused)}: leave out; the state is said without")
+    values = {name: zero for name in chart.optional if name != "face"} | dict(given)
+    return chart, {name: values[name] for name in chart.present(values)}
+
+
+def _refuse_misspelt(chart: Chart, names: Collection[str], what: str) -> None:
+    """Raise InputError where a column looks like an optional one that is not there, and would be ignored."""
+    for name in chart.optional:
+        for other in names:
+            if name not in names and other not in COLUMNS and _spelt(other) == _spelt(name):
+                raise InputError(f"{what}: column {other!r} looks like {name!r}, which is not there; rename it")
+
+
+def _spelt(name: str) -> str:
+    return "".join(letter for letter in name.lower() if letter.isalnum())

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, double_of, nearest, number, one_of, positive, shown, word
-from explorer.phase.energy import potential_at_flat
+from explorer.phase.energy import energy_at
 from explorer.phase.paths import read_toml
 
 Array = NDArray[np.float64]
@@ -73,7 +73,7 @@ class Description(dict[str, float | str]):
 class Disk:
     """A body of revolution rolling on a sharp rim, its centre of mass at the rim's centre.
 
-    Any consistent units do. It is not checked that a real body with these moments exists.
+    Any consistent units will do. Whether a real body with these moments exists is not checked.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Disk:
         Transverse and axial moment of inertia (kg m^2), 0 <= I3 <= 2 I1 by eq. (2.3). I1 is by default that of a
         uniform disk, m r^2/4, and I3 that of a flat body, 2 I1, as "flat" is.
     name : str
-        Stands in folders, pictures and tables.
+        Used in the names of folders, in pictures and in tables.
 
     Raises
     ------
@@ -295,11 +295,8 @@ class Disk:
 
     def energy_at_flat(self, sigma3_bar: Number) -> Number:
         """V_0, the amended potential at flat on a line l_+-, eq. (6.9); natural units. Needs I3 > 0."""
-        if np.any(np.abs(sigma3_bar) > LARGEST_RATE):
-            raise InputError(
-                f"sigma3_bar = {shown(sigma3_bar)}: squares overflow; give up to {LARGEST_RATE:g} in size"
-            )
-        flat: Number = potential_at_flat(self.body, sigma3_bar)
+        spin = sigma3_bar / (self.body.k * self.body.r0)  # the limit of sigma4 there, eq. (6.15)
+        flat: Number = energy_at(self.body, 0.0, 0.0, spin, 0.0)
         return flat
 
     @property

@@ -12,13 +12,3 @@ from explorer import compiled
 def energy_at(body: "compiled.body.Body", phidot: Any, rho: Any, sigma4: Any, q: Any) -> Any:
     """The energy, eq. (2.19), where cos phi = q and sigma3 = rho q; V of eq. (3.8) where phidot = 0."""
     return 0.5 * body.M * phidot**2 + 0.5 * body.I1 * rho**2 + 0.5 * body.J * sigma4**2 + q
-
-
-def spin_at_flat(body: "compiled.body.Body", sigma3_bar: Any) -> Any:
-    """The limit of sigma4 at face +1 on l_+, eq. (6.15). Needs I3 > 0."""
-    return sigma3_bar / (body.k * body.r0)
-
-
-def potential_at_flat(body: "compiled.body.Body", sigma3_bar: Any) -> Any:
-    """V_0, the limit of V at flat on a line l_+-, where rho is 0, eq. (6.9). Needs I3 > 0."""
-    return energy_at(body, 0.0, 0.0, spin_at_flat(body, sigma3_bar), 0.0)

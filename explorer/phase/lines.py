@@ -14,16 +14,8 @@ from explorer import compiled
 from explorer.phase.disk import Array, Disk, require_axial_inertia
 
 
-class LinearConstants(NamedTuple):
-    """The constants of motion that are linear in the rates, arrays of one length."""
-
-    sigma3_bar: Array
-    eta_plus: Array
-    eta_minus: Array
-
-
-class ConstantsOfMotion(NamedTuple):
-    """Constants of motions, natural units, arrays of one length: given, or computed from states.
+class Motion(NamedTuple):
+    """Motions by their constants, natural units, arrays of one length: given, or computed from states.
 
     rounding_plus, rounding_minus: an eta below its rounding in size cannot be told from zero; 0 where it was
     given.
@@ -35,11 +27,6 @@ class ConstantsOfMotion(NamedTuple):
     energy: Array
     rounding_plus: Array
     rounding_minus: Array
-
-    @property
-    def linear(self) -> LinearConstants:
-        """Those that are linear in the rates."""
-        return LinearConstants(self.sigma3_bar, self.eta_plus, self.eta_minus)
 
     @property
     def nearer_plus(self) -> NDArray[np.bool_]:
@@ -54,16 +41,28 @@ class ConstantsOfMotion(NamedTuple):
         """A bound of the rounding error of that eta."""
         return np.where(plus, self.rounding_plus, self.rounding_minus)
 
-    def at(self, rows: NDArray[np.intp]) -> "ConstantsOfMotion":
+    def at(self, rows: NDArray[Any]) -> "Motion":
         """Some of them."""
-        return ConstantsOfMotion(*(column[rows] for column in self))
+        return Motion(*(column[rows] for column in self))
 
 
-def motion_through(disk: Disk, states: Array) -> ConstantsOfMotion:
-    """The constants of states (5, n), rows as `phase.states.Rows`, computed from these."""
-    out = np.empty((len(ConstantsOfMotion._fields), states.shape[1]))
+def motion_through(disk: Disk, states: Array) -> Motion:
+    """The motions through states (5, n), rows as `phase.states.Rows`, computed from these."""
+    out = np.empty((len(Motion._fields), states.shape[1]))
     compiled.algebra.constants_batch(np.ascontiguousarray(states), disk.whole, disk.natural, out)
-    return ConstantsOfMotion(*out)
+    return Motion(*out)
+
+
+def motion_given(disk: Disk, sigma3_bar: Array, eta_hat: Array, plus: NDArray[np.bool_]) -> Motion:
+    """The motions with constants that are given exactly; their energy, which the tilt and its rate make, is NaN.
+
+    eta_hat: on face +1 where `plus`, on face -1 elsewhere.
+    """
+    here = disk.eta_hat_to_eta(eta_hat)
+    there = 2.0 * disk.body.I1 * disk.body.dr0 * sigma3_bar - here
+    none = np.zeros(sigma3_bar.size)
+    etas = np.where(plus, here, there), np.where(plus, there, here)
+    return Motion(sigma3_bar, *etas, np.full(sigma3_bar.size, np.nan), none, none)
 
 
 class LineChart(NamedTuple):
@@ -96,7 +95,7 @@ def line_chart(disk: Disk, q: Array, z: Array) -> LineChart:
     """The chart where cos phi = q and sin phi = z, arrays of one length. Needs I3 > 0."""
     rows = np.empty((4, q.size))
     compiled.falling.line_chart_batch(np.ascontiguousarray(q), np.ascontiguousarray(z), disk.natural, rows)
-    return LineChart(**compiled.falling.LineChart(*rows)._asdict())
+    return LineChart(*rows)
 
 
 def line_slope(disk: Disk) -> float:
@@ -108,13 +107,6 @@ def line_slope(disk: Disk) -> float:
 def other_eta_hat(disk: Disk, sigma3_bar: Any, eta_hat: Any) -> Any:
     """eta_hat on one face from that on the other, eq. (6.2)."""
     return 2.0 * line_slope(disk) * sigma3_bar - eta_hat
-
-
-def linear_constants(disk: Disk, sigma3_bar: Array, eta_hat: Array, plus: NDArray[np.bool_]) -> LinearConstants:
-    """The linear constants for an eta_hat that is given, on face +1 where `plus` and on face -1 elsewhere."""
-    here = disk.eta_hat_to_eta(eta_hat)
-    there = 2.0 * disk.body.I1 * disk.body.dr0 * sigma3_bar - here
-    return LinearConstants(sigma3_bar, np.where(plus, here, there), np.where(plus, there, here))
 
 
 def nearer_plus(plus: Array, minus: Array) -> NDArray[np.bool_]:

@@ -107,11 +107,11 @@ class Terms(NamedTuple):
     rho: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Potential:
     """The amended potential V(phi; sigma3_bar, eta), as `explorer.potential` makes it.
 
-    Its methods V, dV and d2V take phi (rad); `equilibria`, `components` and `separatrices` tell its motions.
+    Its methods V, dV and d2V take phi (rad); `equilibria`, `components` and `separatrices` describe its motions.
 
     Attributes
     ----------
@@ -128,6 +128,8 @@ class Potential:
     >>> falling = ex.potential(ex.Disk.uniform(), 0.25)
     >>> [piece.falls for piece in falling.components(1.0)], round(float(falling.V(0.0)), 4)
     ([False, True], 1.0327)
+    >>> falling
+    Potential of the disk uniform: sigma3_bar = 0.25, eta_hat = 0 from the line of face 1
     """
 
     disk: Disk
@@ -137,6 +139,10 @@ class Potential:
 
     def __post_init__(self) -> None:
         require_axial_inertia(self.disk)
+
+    def __repr__(self) -> str:
+        constants = f"sigma3_bar = {self.sigma3_bar:g}, eta_hat = {self.eta_hat:g}"
+        return f"Potential of the disk {self.disk.name}: {constants} from the line of face {self.face}"
 
     @property
     def sigma3_bar(self) -> float:
@@ -203,13 +209,13 @@ class Potential:
             raise InputError(f"y = {shown(y)}: sin phi = tanh y is flat there; give up to {_FARTHEST:g} in size")
         return self.terms(1.0 / np.cosh(values), np.tanh(values))
 
-    def flat_value(self, face: int) -> float:
+    def at_flat(self, face: int) -> float:
         """V at a flat state in natural units: V_0 on its line, eq. (6.9); infinite off it."""
         if self.etas()[sign("face", face)] != 0.0:
             return math.inf
         return self.disk.energy_at_flat(self.bar)
 
-    def reach(self, face: int) -> float:
+    def outermost(self, face: int) -> float:
         """|y| beyond which V' keeps its sign towards flat."""
         eta, rates = abs(self.etas()[sign("face", face)]), 1.0 + abs(self.bar) + abs(self.eta)
         tilt = _FLAT / rates**2 if eta == 0.0 else _WALL * min(eta, 1.0) / rates
@@ -218,7 +224,7 @@ class Potential:
     @cached_property
     def equilibria(self) -> tuple[Equilibrium, ...]:
         """All steady motions at these constants, from phi = -pi/2 to pi/2: every root of V'."""
-        left, right = (math.ceil(self.reach(face) / _STEP) for face in (-1, 1))
+        left, right = (math.ceil(self.outermost(face) / _STEP) for face in (-1, 1))
         y = _STEP * np.arange(-left, right + 1, dtype=np.float64)
         i = _changes(self.at_y(y).curvature)
         bends = self._roots("curvature", y[i], y[i + 1])
@@ -254,9 +260,9 @@ class Potential:
     def _stops(self) -> tuple[Array, Array]:
         """Ends and equilibria in y, and V there: between two of them V is monotonic."""
         inner = [at.y for at in self.equilibria]
-        y = np.array([-self.reach(-1), *inner, self.reach(1)])
+        y = np.array([-self.outermost(-1), *inner, self.outermost(1)])
         V = self.at_y(y).V
-        V[[0, -1]] = self.flat_value(-1), self.flat_value(1)
+        V[[0, -1]] = self.at_flat(-1), self.at_flat(1)
         return y, V
 
     @property
@@ -314,7 +320,7 @@ class Potential:
         excess = E - self.at_y(y).V
         for at, end, edge in zip((0, -1), component.ends, (component.low, component.high), strict=True):
             phi[at] = edge
-            excess[at] = E - self.flat_value(1 if at else -1) if end == FLAT else 0.0
+            excess[at] = E - self.at_flat(1 if at else -1) if end == FLAT else 0.0
         return phi, np.sqrt(np.maximum(2.0 * excess / self.disk.body.M, 0.0)) * self.disk.rate_unit
 
     def levels(self, energies: tuple[float, float] | None = None, count: int = 9) -> Array:
@@ -347,8 +353,8 @@ class Potential:
         every = np.union1d(y, self._stops[0][1:-1])
         V = self.at_y(every).V
         # The highest V on the way to the left, and to the right.
-        left = np.maximum(np.maximum.accumulate(V), self.flat_value(-1))
-        right = np.maximum(np.maximum.accumulate(V[::-1])[::-1], self.flat_value(1))
+        left = np.maximum(np.maximum.accumulate(V), self.at_flat(-1))
+        right = np.maximum(np.maximum.accumulate(V[::-1])[::-1], self.at_flat(1))
         edge = np.sqrt(2.0 / self.disk.body.M * (np.minimum(left, right) - V)) * self.disk.rate_unit
         return np.asarray(edge[np.searchsorted(every, y)])
 
@@ -387,7 +393,7 @@ def potential(
     face : int
         +1 for the line l₊, -1 for l₋.
     sigma4_bar : float, optional
-        The other constant of motion, instead of eta_hat and face; what is on a line to rounding counts as on it.
+        The other constant of motion, instead of eta_hat and face; within rounding of a line counts as on it.
 
     Returns
     -------

@@ -19,7 +19,7 @@ from explorer.phase.arguments import columns_of as columns_of
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
 from explorer.phase.disk import Array as Array
-from explorer.phase.lines import ConstantsOfMotion, LinearConstants, line_slope, linear_constants, motion_through
+from explorer.phase.lines import Motion, line_slope, motion_given, motion_through
 
 # Also where the user has set numpy to raise.
 _UNDERFLOW_IS_ZERO = np.errstate(under="ignore")
@@ -27,7 +27,7 @@ COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
 
 
 class StateWarning(UserWarning):
-    """A state is probably not what was meant: it is no tilt, looks like degrees, or had to be moved onto F.
+    """A state is probably not what was meant: a tilt out of range or in degrees, or a state moved onto F.
 
     Examples
     --------
@@ -52,7 +52,7 @@ class Rows(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class States:
-    """States of one disk in the chart of the kernels: what `phi_to_states` and its like return.
+    """States of one disk, as the kernels take them: what `phi_to_states` and similar functions return.
 
     Attributes
     ----------
@@ -61,12 +61,12 @@ class States:
     natural : (5, n) array
         Rows q = cos phi, z = sin phi, p = -phidot, rho = sigma3/q and sigma4, in natural units.
     status : (n,) array of int8
-        `Status` of each state. One that is not finite or already flat is BAD_INPUT; no integrator sees it.
-    exact : LinearConstants or None
+        `Status` of each state. A state that is not finite or already flat is BAD_INPUT and is never followed.
+    given : Motion or None
         sigma3_bar, eta_plus and eta_minus (natural units) where they were given rather than computed from the
         state, so that eta may be smaller than the state's rounding.
     shape : tuple of int
-        To which the arguments broadcast, (n,) unless said otherwise; results of the states have it too.
+        The shape to which the arguments broadcast, by default (n,). Results computed from the states have it too.
 
     Examples
     --------
@@ -81,7 +81,7 @@ class States:
     disk: Disk
     natural: Array
     status: NDArray[np.int8]
-    exact: LinearConstants | None = None
+    given: Motion | None = None
     shape: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
@@ -90,7 +90,7 @@ class States:
         natural, status = self.natural, self.status
         # Kernels take these arrays as they are in memory.
         right = natural.dtype == np.float64 and natural.flags.carray and status.dtype.kind == "i"
-        columns = (status, *(self.exact or ()))
+        columns = (status, *(self.given or ()))
         if not right or natural.shape != (5, status.size) or any(c.shape != (status.size,) for c in columns):
             what = f"natural = {shown(natural)}, status = {shown(status)}"
             raise InputError(f"States: {what}; let phi_to_states and its like make them")
@@ -121,11 +121,8 @@ class States:
         chosen = np.atleast_1d(np.arange(len(self))[rows])
         if chosen.ndim != 1:
             raise InputError(f"states[{shown(rows)}]: give a number, a slice, a mask or a list of numbers")
-        exact = None if self.exact is None else LinearConstants(*(column[chosen] for column in self.exact))
-        some = States(self.disk, np.ascontiguousarray(self.natural[:, chosen]), self.status[chosen], exact)
-        if "motion" in vars(self):  # what is known of all is known of some
-            vars(some)["motion"] = self.motion.at(chosen)
-        return some
+        given = None if self.given is None else self.given.at(chosen)
+        return States(self.disk, np.ascontiguousarray(self.natural[:, chosen]), self.status[chosen], given)
 
     at = __getitem__
 
@@ -140,14 +137,13 @@ class States:
         return Rows(*self.natural)
 
     @cached_property
-    def motion(self) -> ConstantsOfMotion:
-        """Constants of the motions through the states (natural units), in a row; NaN for bad input."""
+    def motion(self) -> Motion:
+        """The motions through the states (natural units), in a row; NaN for bad input."""
         motion = motion_through(self.disk, self.natural)
-        if self.exact is not None:
-            none = np.zeros(len(self))
-            motion = motion._replace(**self.exact._asdict(), rounding_plus=none, rounding_minus=none)
+        if self.given is not None:
+            motion = self.given._replace(energy=motion.energy)
         bad = self.status == compiled.status.Status.BAD_INPUT
-        return ConstantsOfMotion(*(np.where(bad, np.nan, column) for column in motion)) if bad.any() else motion
+        return Motion(*(np.where(bad, np.nan, column) for column in motion)) if bad.any() else motion
 
     @property
     @_UNDERFLOW_IS_ZERO
@@ -184,14 +180,11 @@ class States:
         """
         natural = self.natural.copy()
         Rows(*natural).p[:] *= -1.0
-        back = States(self.disk, natural, self.status.copy(), self.exact, self.shape)
-        if "motion" in vars(self):  # its constants are the same
-            vars(back)["motion"] = self.motion
-        return back
+        return States(self.disk, natural, self.status.copy(), self.given, self.shape)
 
 
 def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike) -> States:
-    """States from the tilt phi from the vertical.
+    """States from the angle phi between the disk's plane and the vertical.
 
     Parameters
     ----------
@@ -210,7 +203,7 @@ def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLi
     Raises
     ------
     InputError
-        For arguments that are no numbers or do not broadcast.
+        For arguments that are not numbers or do not broadcast.
 
     Examples
     --------
@@ -238,18 +231,18 @@ def theta_to_states(
     sigma4: ArrayLike,
     face: ArrayLike = 1,
 ) -> States:
-    """States from the tilt theta from flat: the chart for states so near flat that phi has no digits left.
+    """States from the tilt theta above flat, for states so near flat that phi would have too few digits.
 
     Parameters
     ----------
     disk : Disk
         The body.
     theta : array_like
-        Tilt (rad) from the flat state of `face`, 0 < theta < pi.
+        Tilt (rad) above the flat state of `face`, 0 < theta < pi.
     thetadot, sigma3, sigma4 : array_like
         Rates, units of the disk. The arrays broadcast; the result has their shape.
     face : array_like
-        Flat state that theta is measured from, +1 or -1.
+        The flat state above which theta is measured, +1 or -1.
 
     Returns
     -------
@@ -259,7 +252,7 @@ def theta_to_states(
     Raises
     ------
     InputError
-        For arguments that are no numbers or do not broadcast.
+        For arguments that are not numbers or do not broadcast.
 
     Examples
     --------
@@ -282,7 +275,7 @@ def constants_to_states(
 ) -> States:
     """States at the vertical from constants of motion.
 
-    They keep the eta_hat they are made from, however small, where a state in doubles would lose it.
+    They keep the eta_hat that they are made from, however small; computed from a state it would drown in rounding.
 
     Parameters
     ----------
@@ -295,7 +288,7 @@ def constants_to_states(
     phidot : array_like
         Speed at the vertical, units of the disk. The arrays broadcast; the result has their shape.
     face : array_like
-        Flat state whose line is meant, +1 or -1.
+        The flat state to whose line the distance is measured, +1 or -1.
 
     Returns
     -------
@@ -305,13 +298,13 @@ def constants_to_states(
     Raises
     ------
     InputError
-        For arguments that are no numbers or do not broadcast, and for a disk with I3 = 0.
+        For arguments that are not numbers or do not broadcast, and for a disk with I3 = 0.
 
     Examples
     --------
     >>> import explorer as ex
     >>> states = ex.constants_to_states(ex.Disk.hoop(), 1.0, [1e-3, 1e-300], 1.0)
-    >>> states.exact.eta_plus / states.exact.eta_plus[0]
+    >>> states.motion.eta_plus / states.motion.eta_plus[0]
     array([1.e+000, 1.e-297])
     """
     slope = line_slope(disk)
@@ -319,10 +312,10 @@ def constants_to_states(
     (s3, distance, rate, s), shape = read_columns(given)
     with np.errstate(all="ignore"):
         s4 = s * (slope * s3 - distance)
-        exact = linear_constants(disk, s3 / disk.rate_unit, distance / disk.rate_unit, s > 0.0)
-    good = (abs(s) == 1.0) & np.isfinite(exact.eta_plus) & np.isfinite(exact.eta_minus)
+        motion = motion_given(disk, s3 / disk.rate_unit, distance / disk.rate_unit, s > 0.0)
+    good = (abs(s) == 1.0) & np.isfinite(motion.eta_plus) & np.isfinite(motion.eta_minus)
     made = _states(disk, (np.ones_like(s3), np.zeros_like(s3), -rate, s3, s4), good, shape)
-    return replace(made, exact=exact)
+    return replace(made, given=motion)
 
 
 def _states(disk: Disk, columns: tuple[Array, ...], good: NDArray[np.bool_], shape: tuple[int, ...]) -> States:

@@ -62,7 +62,7 @@ class SteadyMotions(Result):
 def steady_motions(
     disk: Disk, tilt: ArrayLike, precession: ArrayLike, face: ArrayLike = 1, degrees: bool = False
 ) -> SteadyMotions:
-    """The spins with which a disk keeps its tilt while it precesses.
+    """The spin with which a disk keeps its tilt while it precesses.
 
     Parameters
     ----------
@@ -73,9 +73,9 @@ def steady_motions(
     precession : array_like
         Rate at which the contact point turns about the vertical, units of the disk.
     face : array_like of +1 or -1
-        Which face would come down; the spins for the other one are those for the mirror image.
+        Which face would come down; the other face has the spin of the mirror image.
     degrees : bool
-        Whether `tilt` is in degrees and `precession` counts degrees, not radians, per time.
+        Whether `tilt` is in degrees and `precession` in degrees per unit of time.
 
     Returns
     -------
@@ -86,12 +86,12 @@ def steady_motions(
     Raises
     ------
     InputError
-        For arguments that are no numbers or do not broadcast, and for a disk with I3 = 0.
+        For arguments that are not numbers or do not broadcast, and for a disk with I3 = 0.
 
     Warns
     -----
     StateWarning
-        Where all tilts lie beyond upright, as degrees that are read as radians do.
+        Where all tilts lie beyond upright, which suggests that they are in degrees.
 
     Notes
     -----

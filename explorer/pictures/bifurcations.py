@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from explorer.errors import InputError, one_of
+from explorer.phase.bifurcation import PATHS, Branch, bifurcation, path_values, whole_path
 from explorer.phase.disk import Disk
 from explorer.phase.potential import CENTRE, SADDLE, Component, Potential
-from explorer.phase.stability import PATHS, Branch, bifurcation, path_values, whole_path
 from explorer.phase.states import Array
 from explorer.pictures.potential import STEADY, grounds, small_portrait
 from explorer.pictures.register import Question, picture
@@ -202,7 +202,7 @@ def one_in_each_region(disk: Disk, path: str, threshold: float) -> list[tuple[fl
 
 def _changes(potential: Potential) -> list[float]:
     """Energies at which the motions change: where V ends at flat, and of equilibria; increasing."""
-    ends = [potential.flat_value(face) * potential.disk.energy_unit for face in (-1, 1)]
+    ends = [potential.at_flat(face) * potential.disk.energy_unit for face in (-1, 1)]
     found: list[float] = []
     for energy in sorted([end for end in ends if np.isfinite(end)] + [at.energy for at in potential.equilibria]):
         if not found or energy - found[-1] > _SAME * potential.disk.energy_unit:

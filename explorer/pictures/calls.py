@@ -57,12 +57,12 @@ def picture(name: str, *what: Any, ax: Axes | Figure | SubFigure | None = None, 
     Returns
     -------
     Figure
-        Not shown, and not registered anywhere: save it with its `savefig`.
+        It is not shown by itself; save it with its `savefig`, or put it last in a cell of a notebook.
 
     Raises
     ------
     InputError
-        For an unknown name, and for what the picture does not take.
+        For an unknown name, and for keywords that the picture does not take.
 
     Examples
     --------

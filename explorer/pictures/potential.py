@@ -132,7 +132,7 @@ def _flat_states(ax: Axes, potential: Potential) -> None:
     """Flat states behind a wall, and those that motions reach."""
     named: set[str] = set()
     for face in (-1, 1):
-        wall = bool(np.isinf(potential.flat_value(face)))
+        wall = bool(np.isinf(potential.at_flat(face)))
         name, dashes, width = ("wall at flat", "-", 4.0) if wall else ("flat, reached", ":", 2.5)
         ax.axvline(face * HALF_PI, color=WALL, ls=dashes, lw=width, label=None if name in named else name)
         named.add(name)
@@ -308,7 +308,7 @@ def potentials(ax: Axes, several: Sequence[Potential], near_flat: bool = False) 
 
 def _end_at_flat(ax: Axes, potential: Potential, near_flat: bool) -> None:
     """Where V ends on the line: V_0."""
-    at_flat = potential.flat_value(potential.face) * potential.disk.energy_unit
+    at_flat = potential.at_flat(potential.face) * potential.disk.energy_unit
     if near_flat:
         ax.axhline(at_flat, color=DARK, lw=0.8, ls=":", label=r"$V_0$, at flat")
     else:

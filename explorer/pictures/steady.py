@@ -8,17 +8,17 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
 from explorer.errors import InputError
-from explorer.phase.disk import Disk
-from explorer.phase.lines import line_slope
-from explorer.phase.membership import well
-from explorer.phase.potential import at_constants
-from explorer.phase.stability import (
+from explorer.phase.bifurcation import (
     fold_curve,
     last_unstable_tilt,
     rolling_threshold,
     spinning_threshold,
     stability_edges,
 )
+from explorer.phase.disk import Disk
+from explorer.phase.falling_set import well
+from explorer.phase.lines import line_slope
+from explorer.phase.potential import at_constants
 from explorer.phase.steady import circular_rolling, steady_motions
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import (

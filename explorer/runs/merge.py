@@ -15,8 +15,8 @@ _FREE = ("seed", "samples", "chunk_size", "keep", "calibration")
 def merge(*runs: Run) -> Run:
     """Put runs of the same question with different seeds together.
 
-    Their counts are added up as if they were one run, whose samples are those of all. Nothing is copied: the runs
-    stay where they are. The order does not matter.
+    Their counts are added up as if they were one run with the samples of all. Nothing is copied: the runs stay
+    where they are. Their order does not matter.
 
     Parameters
     ----------

@@ -332,7 +332,7 @@ def open(folder: Path | str) -> Run:
     Parameters
     ----------
     folder : path
-        Of a run: the one that holds run.json.
+        Folder of the run, which holds run.json.
 
     Returns
     -------
@@ -341,7 +341,7 @@ def open(folder: Path | str) -> Run:
     Raises
     ------
     InputError
-        Where there is no run, or one of another version or of a scene that is not known here.
+        Where there is no run, or one of another version, or of a scene that is not known here.
 
     Examples
     --------

@@ -19,10 +19,10 @@ from explorer.measure.slices import ConstantsPlane, Slice, slice_map
 from explorer.measure.tallies import ByName, Least, LogHistogram
 from explorer.motion.reference_samples import ReferenceSamples, ReferenceTilts
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
-from explorer.phase import membership
+from explorer.phase import falling_set
 from explorer.phase.constants import constants_of
 from explorer.phase.disk import require_axial_inertia
-from explorer.phase.membership import falls_of
+from explorer.phase.falling_set import falls_of
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.scenes.given_states import Block
 from explorer.scenes.options import Reader, option, read_ranges, several, whole_from, word_of
@@ -112,7 +112,7 @@ class FallingSet(FromStates):
     def kernels(self) -> tuple[str, ...]:
         drawn = sifting.KERNELS if self._in_lanes else super().kernels
         tilts = () if self.theta_min == "none" else tilt_kernels(self.plan)
-        return *membership.KERNELS, *drawn, *tilts, *LogHistogram.KERNELS
+        return *falling_set.KERNELS, *drawn, *tilts, *LogHistogram.KERNELS
 
     # Samples
 

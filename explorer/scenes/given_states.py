@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, double_of, shorten
-from explorer.phase.charts import Chart, recognise
+from explorer.phase.coordinates import Chart, recognise
 from explorer.phase.disk import Disk
 from explorer.phase.paths import path_of
 from explorer.phase.states import COORDINATES, Array, States
@@ -81,8 +81,8 @@ class GivenStates:
         if isinstance(value, GivenStates):
             return value
         if isinstance(value, States):
-            exact = {} if value.exact is None else value.exact._asdict()
-            digest = _digest({"natural": value.natural, "status": value.status} | exact)
+            given = {} if value.given is None else value.given._asdict()
+            digest = _digest({"natural": value.natural, "status": value.status} | given)
             return cls(flag, len(value), digest, states=value)
         if isinstance(value, str | Path):
             return cls._of_file(flag, path_of(flag, value).resolve())

@@ -12,10 +12,10 @@ import numpy as np
 from explorer.errors import InputError
 from explorer.measure.sampling import Range
 from explorer.measure.tallies import ByName
+from explorer.phase.bifurcation import thresholds
 from explorer.phase.disk import require_axial_inertia
-from explorer.phase.membership import require_well, well
+from explorer.phase.falling_set import require_well, well
 from explorer.phase.potential import Component, Potential, at_constants, on_line
-from explorer.phase.stability import thresholds
 from explorer.scenes.options import NUMBER, RANGE, TRUTH, option
 from explorer.scenes.scene import Counts, Picture, Scene, Table, joined
 
@@ -175,7 +175,7 @@ def _place(name: str, potential: Potential, table: Table) -> dict[str, Any]:
         "sigma4_bar": potential.sigma4_bar,
         "eta_hat": potential.eta_hat,
         "face": potential.face,
-        "reaches_flat": [face for face in (-1, 1) if math.isfinite(potential.flat_value(face))],
+        "reaches_flat": [face for face in (-1, 1) if math.isfinite(potential.at_flat(face))],
         # Of all points of the levels with |phi| < 1.5 rad
         "largest_energy_error": float(abs(energy / table["energy"][inside] - 1.0).max(initial=0.0)),
     }

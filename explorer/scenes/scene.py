@@ -237,10 +237,10 @@ _own: dict[str, type[Scene]] = {}
 
 
 def register(scene: K) -> K:
-    """Make a scene of your own known by its name, for `run` and for runs that are opened. Usable as a decorator.
+    """Register a scene of your own, so that `run` and `open` know it by its name. Also usable as a decorator.
 
-    It then has what the scenes of nearflat have: chunks, resuming, workers of every kind, counts, a summary, help.
-    `nearflat run my.py:Coins` does without it.
+    It then has all that the scenes of nearflat have: chunks, resuming, workers of every kind, counts, a summary
+    and help. On the command line, `nearflat run my.py:Coins` needs no registration.
 
     Parameters
     ----------
@@ -256,7 +256,7 @@ def register(scene: K) -> K:
     Raises
     ------
     InputError
-        Where it is no such class, or has the name of a scene of nearflat.
+        Where it is not such a class, or has the name of one of nearflat's own scenes.
 
     Examples
     --------

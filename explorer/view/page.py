@@ -101,7 +101,7 @@ def view(
     *,
     row: int | None = None,
 ) -> View:
-    """Make a page: an article that shows what the disk does, and at its end a laboratory in which it rolls, live.
+    """Make a page: an article that shows what the disk does, with a laboratory at its end to roll it yourself.
 
     The laboratory shows both sides of F, and all of the motion can be dragged. The page opens there where a
     motion, a body or a number is given, and else with the article.

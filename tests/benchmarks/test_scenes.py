@@ -13,7 +13,7 @@ from conftest import BODIES
 
 from explorer.measure.sampling import chunk_stream
 from explorer.measure.sifting import sift
-from explorer.phase.membership import obstacle
+from explorer.phase.falling_set import obstacle
 from explorer.phase.states import phi_to_states
 from explorer.scenes.falling_set import FallingSet
 from kernels.disk import falling

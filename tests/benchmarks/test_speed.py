@@ -46,8 +46,8 @@ class Work:
     def solve(self, method, setting):
         initial, status = np.zeros((10, SAMPLES)), np.zeros(SAMPLES, np.int8)
         initial[:5] = self.states.natural
-        held, control = np.stack(self.states.exact), np.full(SAMPLES, setting)
-        given = InitialValues(self.disk, plan(("chi",), 1e-3, method), initial, held, status, control)
+        how, control = plan(("chi",), 1e-3, method), np.full(SAMPLES, setting)
+        given = InitialValues(self.disk, how, initial, self.states.motion, status, control)
         return follow(given, compiled.events.TURNING_POINT, np.zeros(1))
 
     def errors(self, out):

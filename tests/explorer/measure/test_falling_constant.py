@@ -10,7 +10,7 @@ from conftest import BODIES
 import explorer as ex
 from explorer.measure.density import Density
 from explorer.measure.falling_constant import constant_of, falling_constant
-from explorer.phase.membership import impact_speed
+from explorer.phase.falling_set import impact_speed
 from explorer.phase.states import phi_to_states
 
 FULL = f"phi={-0.5 * math.pi!r}:{0.5 * math.pi!r}"

@@ -11,7 +11,7 @@ import explorer as ex
 from explorer.motion.falls import fall_from_vertical
 from explorer.motion.limit_motions import limit_motion
 from explorer.motion.trajectories import trajectories
-from explorer.phase.membership import barrier, well
+from explorer.phase.falling_set import barrier, well
 from explorer.phase.states import constants_to_states
 
 UNIFORM = BODIES["uniform"]

@@ -42,6 +42,20 @@ def test_every_complete_set_names_the_same_state(phi):
             np.testing.assert_allclose(made.natural, state.natural, rtol=1e-12, atol=1e-13)
 
 
+@pytest.mark.parametrize(
+    ("given", "same"),
+    [
+        ({"tilt": 0.4, "precession": 3.0, "spin": 0.2}, ex.rates_to_states(COIN, 0.4, 0.0, 3.0, 0.2)),
+        (
+            {"theta": 1e-9, "thetadot": -0.3, "sigma3": 1e-12, "sigma4": 0.2, "face": -1},
+            ex.theta_to_states(COIN, 1e-9, -0.3, 1e-12, 0.2, -1),
+        ),
+    ],
+)
+def test_every_chart_is_read_by_name(given, same):
+    np.testing.assert_array_equal(ex.coordinates_to_states(COIN, **given).natural, same.natural)
+
+
 def test_an_eta_that_is_given_is_kept_as_it_is():
     states = ex.coordinates_to_states(ex.Disk.uniform(), phi=0.4, phidot=1.0, sigma3_bar=0.7, eta_hat=-1e-200)
     assert ex.bounces(states).side[0, 0] == -1
@@ -55,8 +69,8 @@ def test_too_small_an_energy_is_bad_input_not_a_guess():
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"phidot": 1.0, "sigma3": 1.0}, "sigma3 with sigma4"),
-        ({"phidot": 1.0, "energy": 2.0, "sigma3": 1.0, "sigma4": 1.0}, "phidot or energy"),
+        ({"phidot": 1.0, "sigma3": 1.0}, "add sigma4"),
+        ({"phidot": 1.0, "energy": 2.0, "sigma3": 1.0, "sigma4": 1.0}, "energy: leave out"),
         ({"phidot": 1.0, "sigma3": 1.0, "sigma5": 1.0}, "did you mean"),
         ({"phidot": "fast", "sigma3": 1.0, "sigma4": 1.0}, "phidot"),
     ],

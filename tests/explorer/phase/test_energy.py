@@ -3,7 +3,7 @@
 import numpy as np
 
 import explorer as ex
-from explorer.phase.energy import energy_at, potential_at_flat
+from explorer.phase.energy import energy_at
 from explorer.phase.potential import Potential
 
 
@@ -17,6 +17,6 @@ def test_it_is_the_energy_that_states_have(body):
 
 def test_at_flat_it_is_the_limit_of_the_potential_on_a_line(body):
     phi = 0.5 * np.pi - np.array([1e-4, 1e-5, 1e-6])
-    above = Potential(body, 0.7, 0.0).V(phi) / body.energy_unit - potential_at_flat(body.body, 0.7)
+    above = Potential(body, 0.7, 0.0).V(phi) / body.energy_unit - body.energy_at_flat(0.7)
     np.testing.assert_allclose(above, 0.0, atol=1e-3)
     assert np.all(np.diff(abs(above)) < 0.0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import explorer as ex
-from explorer.phase.lines import line_chart, line_slope, linear_constants, nearer_plus, other_eta_hat
+from explorer.phase.lines import line_chart, line_slope, motion_given, nearer_plus, other_eta_hat
 
 SLOPES = {"uniform": 0.7285923160189477, "hoop": 0.6761665138414456, "matching": 0.7079432039590211}
 
@@ -45,9 +45,9 @@ def test_the_chart_gives_the_constants_that_states_have(body):
     np.testing.assert_allclose(other, found.eta_hat_minus, atol=1e-11 * unit)
 
 
-def test_linear_constants_put_eta_on_the_face_it_was_given_for(body):
+def test_constants_that_are_given_put_eta_on_the_face_it_was_given_for(body):
     plus = np.array([True, False])
-    found = linear_constants(body, np.full(2, 0.6), np.full(2, 1e-200), plus)
+    found = motion_given(body, np.full(2, 0.6), np.full(2, 1e-200), plus)
     eta = body.eta_hat_to_eta(1e-200)
     assert [found.eta_plus[0], found.eta_minus[1]] == [eta, eta]
     b = body.body

@@ -7,7 +7,7 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.phase.membership import impact_speed, require_well, well
+from explorer.phase.falling_set import impact_speed, require_well, well
 from explorer.phase.potential import CENTRE, FLAT, SADDLE, TURNING, Potential, Terms, at_constants, on_line
 
 UNIFORM, HOOP, COIN = BODIES["uniform"], BODIES["hoop"], BODIES["coin"]
@@ -229,12 +229,12 @@ def test_the_shading_agrees_with_who_could_fall(name, face):
 
 def test_on_the_line_v_ends_at_v0_and_the_wall_appears_beside_it():
     on = on_line(UNIFORM, 0.25)
-    assert on.flat_value(1) == pytest.approx(0.08687994 * 0.25**2, rel=1e-7)
-    assert float(on.V(0.5 * math.pi - 1e-7)) == pytest.approx(on.flat_value(1), abs=2e-7)
+    assert on.at_flat(1) == pytest.approx(0.08687994 * 0.25**2, rel=1e-7)
+    assert float(on.V(0.5 * math.pi - 1e-7)) == pytest.approx(on.at_flat(1), abs=2e-7)
     assert float(on.dV(0.5 * math.pi - 1e-6)) == pytest.approx(-1.0, abs=1e-4)
     for eta in (1e-3, -1e-3):
         beside = on_line(UNIFORM, 0.25, eta)
-        assert math.isinf(beside.flat_value(1))
+        assert math.isinf(beside.at_flat(1))
         # V ~ eta^2/(2 I1 theta^2)
         size = (UNIFORM.body.I3 * UNIFORM.body.r0 * eta) ** 2 / (2.0 * UNIFORM.body.I1 * 1e-12)
         assert float(beside.V(0.5 * math.pi - 1e-6)) == pytest.approx(size, rel=1e-3)

@@ -8,7 +8,7 @@ from conftest import BODIES
 from matplotlib.colors import to_hex
 
 import explorer as ex
-from explorer.phase.stability import PATHS, bifurcation, path_values, stability_edges
+from explorer.phase.bifurcation import PATHS, bifurcation, path_values, stability_edges
 from explorer.pictures.bifurcations import least_energies, one_in_each_region
 from explorer.pictures.bodies import gap_of, race_number_of
 from explorer.pictures.near_flat import followed

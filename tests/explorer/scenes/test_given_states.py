@@ -92,7 +92,7 @@ def test_an_eta_that_was_given_is_kept_however_small():
     states = ex.constants_to_states(DISK, 1.0, [1e-200, -1e-200], 1.0, [1, -1])
     for given in (states, {"sigma3_bar": 1.0, "eta_hat": [1e-200, -1e-200], "phidot": 1.0, "face": [1, -1]}):
         read = GivenStates.of("states", given).read(DISK, 0, 2).states
-        for one, other in zip(read.exact, states.exact, strict=True):
+        for one, other in zip(read.motion, states.motion, strict=True):
             np.testing.assert_array_equal(one, other)
 
 

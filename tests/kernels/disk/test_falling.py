@@ -7,8 +7,8 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.phase.lines import ConstantsOfMotion
-from explorer.phase.membership import obstacle
+from explorer.phase.falling_set import obstacle
+from explorer.phase.lines import Motion
 from kernels.disk import falling
 from kernels.disk.falling import Barrier, LineChart, Membership, OnF
 
@@ -100,7 +100,7 @@ def beside_the_barrier(disk, count):
     near = random.choice([-1.0, 1.0], (2, count)) * 10.0 ** random.uniform(-17.0, -3.0, (2, count))
     states = ex.phi_to_states(disk, np.minimum(np.nan_to_num(there.phi) + near[0], 0.0), 0.0, 0.0, 0.0)
     none = np.zeros(count)
-    return states, ConstantsOfMotion(X * disk.body.r0, none, none, there.V * (1.0 + near[1]), none, none)
+    return states, Motion(X * disk.body.r0, none, none, there.V * (1.0 + near[1]), none, none)
 
 
 @pytest.mark.parametrize("name", SHAPES)

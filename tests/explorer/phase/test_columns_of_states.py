@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import explorer as ex
-from explorer.phase.charts import CHARTS, recognise
 from explorer.phase.columns import COLUMNS
+from explorer.phase.coordinates import CHARTS, recognise
 
 DISK = ex.Disk.hoop()
 STATES = ex.phi_to_states(DISK, [0.3, 0.7, 1.1], [0.2, 0.4, 0.1], [0.5, -0.3, 0.2], [0.1, 0.6, -0.2])

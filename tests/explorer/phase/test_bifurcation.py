@@ -8,9 +8,7 @@ from conftest import BODIES
 from scipy.optimize import brentq
 
 import explorer as ex
-from explorer.phase.membership import well
-from explorer.phase.potential import CENTRE, SADDLE, at_constants
-from explorer.phase.stability import (
+from explorer.phase.bifurcation import (
     bifurcation,
     fold_curve,
     last_unstable_tilt,
@@ -19,6 +17,8 @@ from explorer.phase.stability import (
     stability_edges,
     whole_path,
 )
+from explorer.phase.falling_set import well
+from explorer.phase.potential import CENTRE, SADDLE, at_constants
 
 UNIFORM = BODIES["uniform"]
 

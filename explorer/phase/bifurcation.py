@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from explorer.errors import one_of
 from explorer.phase.constants import constants_of
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.membership import well
+from explorer.phase.falling_set import well
 from explorer.phase.potential import DEGENERATE, Potential, at_constants, on_line
 from explorer.phase.states import Array, columns_of
 from explorer.phase.steady import circular_rolling, steady_motions
@@ -157,7 +157,7 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
     Raises
     ------
     InputError
-        For an unknown path, and values that are no numbers.
+        For an unknown path, and values that are not numbers.
 
     References
     ----------

@@ -9,7 +9,7 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.motion import parts
+from explorer.motion import threads
 
 DISK = BODIES["uniform"]
 
@@ -42,10 +42,10 @@ def test_an_error_in_one_thread_is_raised_and_the_others_are_left():
         if rows[0] == 0:
             begun.wait()
             raise ex.InputError("no")
-        parts.attended(lambda: (begun.wait() and None) or ended.wait(60.0), ended.set)
+        threads.attended(lambda: (begun.wait() and None) or ended.wait(60.0), ended.set)
 
     with pytest.raises(ex.InputError, match="no"):
-        parts.in_parts(2, 2, call)
+        threads.in_parts(2, 2, call)
     assert ended.is_set()
     assert threads_end(before)
 
@@ -57,7 +57,7 @@ def test_ctrl_c_ends_blocks_that_threads_have_still_before_them():
         seen.append(rows[0])
         time.sleep(0.05)
 
-    interrupted_during(lambda: parts.in_parts(2, 2000, call, 1))
+    interrupted_during(lambda: threads.in_parts(2, 2000, call, 1))
     assert threads_end(before)
     assert 2 <= len(seen) < 1000
 
