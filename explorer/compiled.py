@@ -1,4 +1,4 @@
-"""The one door to the compiled layer.
+"""The only way into the compiled layer.
 
 `kernels` is a generic name: another distribution installs an import package of that name, and the
 one found first on the path wins. So everything in `explorer` reaches kernels through here. A module of
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name: str) -> ModuleType:
-        """Modules of the compiled layer, whichever room they are in: `compiled.batch`, `compiled.body`, ..."""
+        """Modules of the compiled layer, whichever folder they are in: `compiled.batch`, `compiled.body`, ..."""
         module = _modules().get(name)
         if module is None:
             raise AttributeError(f"the compiled layer has no module {name!r}")

@@ -35,7 +35,7 @@ def _homes_in(path: Path) -> dict[str, str]:
 
 
 class _Package(ModuleType):
-    """A package of which no file or room takes the place of the function of its name when it is imported.
+    """A package of which no file or folder takes the place of the function of its name when it is imported.
 
     The import system sets each of them on its package as an attribute; without one, `__getattr__` is asked.
     """
@@ -62,7 +62,7 @@ class _Package(ModuleType):
             super().__setattr__(name, value)
 
     def __dir__(self) -> list[str]:
-        """The public names, without files and rooms."""
+        """The public names, without files and folders."""
         return [*vars(self)["_homes"], *vars(self)["_made"]]
 
     def __reduce__(self) -> tuple[Callable[[str], ModuleType], tuple[str]]:

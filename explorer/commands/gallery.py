@@ -49,8 +49,8 @@ def gallery(folder: Path | str) -> str:
     lines = [
         "# Results",
         "",
-        "Small, committed, each made by the command beside it. This page is made by `nearflat gallery`. A click",
-        "on a picture shows it in full size.",
+        "Each picture is made by the command beside it, and this page by `nearflat gallery`. Click a picture to",
+        "see it in full size.",
     ]
     for question, cells in shown.items():
         cells.sort(key=lambda each: _FIRST.index(each[0].stem) if each[0].stem in _FIRST else len(_FIRST))

@@ -13,13 +13,13 @@ _REFERENCE = {
     "motions": "rk8 with steps far finer than any accuracy needs",
 }
 
-_ABOUT = """Samples are those that the scene draws. Times are of the calls that the scene makes, and for motions of
-`simulate`: processor time of one core, without compile time, the least of several interleaved rounds.
-Compare them within this page only. *Unresolved* and *refused* are shares of the samples at the accuracy
-for which a setting is chosen, twice its error: those whose side of F is not known, and those that
-have no answer for another reason. *Wrong way* counts samples that came out on the other side of F.
-Rows marked * are the front of the integrators: none is faster and errs as little. In the second table
-of each kind the error is divided by the accuracy that was asked.
+_ABOUT = """Samples are those that the scene draws. Times are those of the scene's calls, or of `simulate` for
+motions: processor time of one core, without compile time, the least of several interleaved rounds.
+Compare them only within this page. A setting is chosen for an accuracy of twice its error. At that accuracy,
+*unresolved* is the share of samples whose side of F is unknown, *refused* the share without an answer for
+another reason. *Wrong way* counts samples that came out on the other side of F. Rows marked * are the best
+integrators: no other is as fast and as accurate. The second table of each kind gives the error divided by
+the accuracy asked.
 
 ![error and time of all methods](trade.png)
 """
@@ -37,7 +37,7 @@ def tables(parts: Iterable[Measured]) -> list[str]:
             "",
             *by_setting(part),
             "",
-            "What `--accuracy` gives with the settings that were in use:",
+            "What `--accuracy` achieves with the settings in use:",
             "",
             *by_accuracy(part.asked),
             "",

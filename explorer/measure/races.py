@@ -142,7 +142,7 @@ def law_rows(disk: Disk, found: LogHistogram) -> list[dict[str, Any]]:
 def race_law(
     disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike, impact_speed: ArrayLike
 ) -> list[dict[str, Any]]:
-    """The constant of the law by |eta|, of race angles of one's own, as picture race-deviation shows it.
+    """The constant of the race law for your own race angles, by |eta|, as the picture race-deviation shows it.
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ class Bounces(Result):
     race_angle : array
         delta_chi - fall_angle (rad); NaN where fall_angle is.
     duration : array
-        Time that the stretch takes.
+        Duration of the passage, bounce or window.
     error_estimate : array
         Of the angles (rad), of the duration and of theta_min (relative) and of the time to the flattest moment
         (relative, or in periods of the motion where it is shorter than one), whichever is largest.
@@ -118,7 +118,7 @@ def bounces(
     -------
     Bounces
         Arrays with the shape of `states` and a last axis for the bounces. A state on F to rounding has the
-        status FALLS, or UNRESOLVED_SIDE where its side cannot be told.
+        status FALLS, or UNRESOLVED_SIDE if its side is unknown.
 
     Raises
     ------
@@ -128,7 +128,7 @@ def bounces(
     Notes
     -----
     The tilt is periodic: the bounces of one state have at most two different theta_min, one on each face, so two
-    bounces tell all about the tilt.
+    bounces give all that there is to know about the tilt.
 
     race_angle = delta_chi - fall_angle, where fall_angle is the increase of chi along the limit motion with the
     same sigma3_bar and energy over its own stretch: from the vertical to flat and back where it crosses the

@@ -147,9 +147,9 @@ def passages(
     window : float, optional
         cos(phi), 0 to 1, at which to start and stop instead of at the vertical. Quadrature only.
     **computation
-        method : 'auto' or 'quadrature', or 'rk4', 'rk8', 'dopri5', 'dop853', which hold the constants after
-        each step and say UNRESOLVED_SIDE where their error hides the direction of the race. accuracy : of angles
-        (rad), or their 14th digit where that is more, and relative of times and theta_min, by default 1e-6.
+        method : 'auto' or 'quadrature', or 'rk4', 'rk8', 'dopri5', 'dop853', which project each step onto the
+        constants, and say UNRESOLVED_SIDE if their error hides the direction of the race. accuracy : of angles
+        (rad), or their 14th digit if that is larger; relative for times and theta_min; by default 1e-6.
         jobs : threads, by default 1.
 
     Returns

@@ -195,9 +195,8 @@ def simulate(
 ) -> Trajectories:
     """Follow motions in time from their initial states, at times as dense as each motion needs.
 
-    Every step is put back onto the constants sigma3_bar, eta and the energy; how far it had left the energy is
-    reported as its error. An eta_hat that was given is kept, down to 1e-300. A state on the falling set has the
-    status FALLS.
+    Each step is projected onto sigma3_bar and eta, and once per swing onto the energy, whose change is reported as
+    an error. An eta_hat that was given is kept, down to 1e-300. A state on the falling set has the status FALLS.
 
     Parameters
     ----------
@@ -208,7 +207,7 @@ def simulate(
     t_eval : (nt,) array, optional
         Increasing times >= 0 at which to sample instead, the same for all motions.
     observables : sequence of str
-        Any of phi, phidot, sigma3, sigma4, chi, psi, path, contact. What is not asked for is not integrated.
+        Any of phi, phidot, sigma3, sigma4, chi, psi, path, contact. Only these are integrated.
     method : str
         'auto' (the cheaper adaptive pair), 'rk4', 'rk8', 'dopri5' or 'dop853'.
     accuracy : float

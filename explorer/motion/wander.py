@@ -115,7 +115,7 @@ def wander(states: States) -> Wander:
 def resonance(
     disk: Disk, eta_hat: float, phidot: float, turns: int, between: tuple[float, float]
 ) -> tuple[float, States]:
-    """The motion that walks away over the table: the sigma3_bar at which chi(tau) is a whole number of turns.
+    """The motion that walks away over the table: its sigma3_bar, at which chi turns by whole turns in a period.
 
     Parameters
     ----------

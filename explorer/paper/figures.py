@@ -34,11 +34,11 @@ _BODY_WORDS = {"uniform": "the uniform disk", "hoop": "the hoop"}
 CHI0_FITS = (0.41, 0.57)  # rad: what the ticks of Fig. 7 leave, to the last digit
 
 INFERRED = (
-    f"Not given in the paper: χ(0), here {CHI0:g} rad; the ticks of its Fig. 7 leave {CHI0_FITS[0]:g} to "
+    f"The paper does not give χ(0). It is {CHI0:g} rad here; the ticks of its Fig. 7 allow {CHI0_FITS[0]:g} to "
     f"{CHI0_FITS[1]:g}.",
-    "Fig. 1: the paper says somewhat more than three periods.",
-    "Figs. 2, 4, 5: the window on the right is that of Fig. 3, whose ticks are known.",
-    "Figs. 6 to 9: the length is inferred from Fig. 7, where 3.4 periods no longer fit the ticks.",
+    "Fig. 1: the length is described in the paper as somewhat more than three periods.",
+    "Figs. 2, 4, 5: the right part shows the same window as Fig. 3, whose ticks are known.",
+    "Figs. 6 to 9: the length is inferred from Fig. 7, whose ticks exclude 3.4 periods.",
 )
 
 

@@ -174,11 +174,11 @@ def figures_page() -> str:
         "# The paper, reproduced",
         "",
         "Made by `nearflat paper`. Statements and their numbers: [statements.md](statements.md). Misprints, with",
-        "the numbers that decide them: [misprints.md](misprints.md). Cushman & Duistermaat, *Nearly flat falling",
-        "motions of the rolling disk*, Regul. Chaotic Dyn. 11 (2006) 31-60. Another body, or nearer to F:",
+        "the numbers that prove them: [misprints.md](misprints.md). Cushman & Duistermaat, *Nearly flat falling",
+        "motions of the rolling disk*, Regul. Chaotic Dyn. 11 (2006) 31-60. For another body, or closer to F:",
         "`nearflat paper --figure 8 --disk annulus:0.4 --eta-hat 3e-3`.",
         "",
-        "All start upright with σ₂ = σ₃ = 1, in units m = r = g = 1.",
+        "All motions start upright with σ₂ = σ₃ = 1, in units m = r = g = 1.",
         *INFERRED,
     ]
     for number, plan in FIGURES.items():

@@ -152,7 +152,7 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
     Returns
     -------
     tuple of Branch
-        Equilibria are joined while neither their number nor their kinds change.
+        Equilibria are joined as long as neither their number nor their kinds change.
 
     Raises
     ------

@@ -73,7 +73,7 @@ class Description(dict[str, float | str]):
 class Disk:
     """A body of revolution rolling on a sharp rim, its centre of mass at the rim's centre.
 
-    Any consistent units will do. Whether a real body with these moments exists is not checked.
+    Any consistent units will do. It is not checked whether a real body with these moments exists.
 
     Parameters
     ----------

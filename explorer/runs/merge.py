@@ -13,9 +13,9 @@ _FREE = ("seed", "samples", "chunk_size", "keep", "calibration")
 
 
 def merge(*runs: Run) -> Run:
-    """Put runs of the same question with different seeds together.
+    """Add up runs of the same question with different seeds.
 
-    Their counts are added up as if they were one run with the samples of all. Nothing is copied: the runs stay
+    The counts are added up as if all samples were of one run. Nothing is copied: the runs stay
     where they are. Their order does not matter.
 
     Parameters

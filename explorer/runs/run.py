@@ -56,7 +56,7 @@ class Progressed:
 class Run:
     """A run of a scene: its numbers, its samples and its pictures.
 
-    `run`, `open` and `merge` give one. It is stored in a folder, or held in memory where it is small.
+    `run`, `open` and `merge` return one. It is stored in a folder, or kept in memory if it is small.
 
     Attributes
     ----------

@@ -103,8 +103,8 @@ def view(
 ) -> View:
     """Make a page: an article that shows what the disk does, with a laboratory at its end to roll it yourself.
 
-    The laboratory shows both sides of F, and all of the motion can be dragged. The page opens there where a
-    motion, a body or a number is given, and else with the article.
+    The laboratory shows both sides of F, and you can drag through the whole motion. The page opens there if you
+    give a motion, a body or a number, and otherwise with the article.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def view(
     face : int, optional
         For a body: the flat state that is meant, +1 (by default) or -1.
     row : int, optional
-        Which one is shown where `motion` holds several, counted as in its table.
+        Which motion to show if `motion` has several, counted as in its table.
 
     Returns
     -------
@@ -133,7 +133,8 @@ def view(
     Raises
     ------
     InputError
-        For what is no motion, several without a row, numbers beside a motion, a fall, and a side lost in rounding.
+        If `motion` is not a motion, or holds several and no row is given; for numbers beside a motion; for a
+        fall; and for a side that is lost in rounding.
 
     Notes
     -----

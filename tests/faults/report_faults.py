@@ -322,7 +322,7 @@ def main():
             ("kill -9 of a worker, dask", lambda: worker_kills(place, digest, "dask")),
             ("flipped bits, truncations, swapped and foreign chunks", lambda: spoil(place, digest)),
             ("full disk, quota, write errors", lambda: full_disk(place, digest)),
-            ("1 % of the given states are none", lambda: bad_states(place)),
+            ("1 % of the given states are invalid", lambda: bad_states(place)),
             ("two runs in one folder", lambda: two_runs(place)),
             ("caches", lambda: caches(place)),
         )
@@ -334,14 +334,14 @@ def main():
         "",
         "Made by `python tests/faults/report_faults.py`. The run: race-angles, "
         f"{OPTIONS['samples']:,} samples in {CHUNKS} chunks, all kept, 2 workers. Every digest is compared with",
-        "that of a run that nothing happened to.",
+        "that of an undisturbed run.",
         "",
-        "| fault | what became of it |",
+        "| fault | what happened |",
         "|---|---|",
         *(f"| {fault} | {found} |" for fault, found in rows),
         "",
-        "[moments.md](moments.md): runs stopped by signals, by backend. `fuzz.json`: any calls, command lines and",
-        "edited folders (`nox -s fuzz`).",
+        "[moments.md](moments.md): runs stopped by signals, by backend. `fuzz.json`: random calls, command lines,",
+        "and edited folders (`nox -s fuzz`).",
     ]
     (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 

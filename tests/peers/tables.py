@@ -155,5 +155,5 @@ def loop_in_words():
     return (
         "C++: `tests/peers/fixed_steps.cpp`, the same tableaux and field in lanes, compiled with"
         f" `{' '.join(cpp.options(False)[1:])}` (strict; its steps are ours to the last bit) or"
-        " `-ffp-contract=fast`. It locates no event and holds no constant: each motion is told at which s it ends."
+        " `-ffp-contract=fast`. It finds no event and keeps no constant: it is told at which s each motion ends."
     )

@@ -85,8 +85,8 @@ def main():
         "# The extremes",
         "",
         "Made by `python tests/reference/report_extremes.py`; references by `tests/reference/make_motions.py`.",
-        "Quadrature against 40-digit arithmetic, m = r = g = 1: the largest errors of each kind of passages, at",
-        "the tightest accuracy that is met. *Not at 1e-11*: how many only meet 1e-8, 1e-5 or 1e-2.",
+        "Quadrature compared with 40-digit arithmetic, m = r = g = 1: the largest errors of each kind of passage,",
+        "at the tightest accuracy that it meets. *Not at 1e-11*: how many meet only 1e-8, 1e-5 or 1e-2.",
         "",
         "| passages | number | not at 1e-11 | error of angles (rad) | of times, relative | estimate |",
         "|---|---|---|---|---|---|",
@@ -94,7 +94,7 @@ def main():
     ]
     lines += [
         "",
-        "Rocking near flat, eta_hat = 1e-60: period over its limit 2^(3/2) sqrt(M) sqrt(E - V0).",
+        "Rocking near flat, eta_hat = 1e-60: the period divided by its limit 2^(3/2) sqrt(M) sqrt(E - V0).",
         "",
         "| E - V0 | status | ratio - 1 | estimate |",
         "|---|---|---|---|",
@@ -102,7 +102,7 @@ def main():
     lines += [f"| {e:g} | {s} | {r - 1:+.1e} | {est:.0e} |" for e, s, r, est in rocking()]
     lines += [
         "",
-        "Cost of a passage over that at |eta_hat| = 0.1, in one run (picture: `../scaling/cost.png`):",
+        "Cost of a passage relative to that at |eta_hat| = 0.1, in one run (picture: `../scaling/cost.png`):",
         "",
     ]
     for method, eta, ratio in costs():

@@ -58,9 +58,9 @@ def main():
         "# Falling has measure zero",
         "",
         "Made by `python tests/reference/report_measure_zero.py`: `nearflat run measure-zero` with its defaults,",
-        "4 10^6 plain draws, a ladder of delta from 1e-1 to 1e-15 and 2^18 draws per rung and face. None fell in",
+        "4 10^6 plain draws, delta from 1e-1 to 1e-15 (the ladder), 2^18 draws per delta and face. None fell in",
         "any run, which bounds the probability of falling by 7.5e-7 each time. C is fitted on delta <= 1e-4. *z*:",
-        "difference from the prediction in standard errors; *+-*: half-widths of 95 % intervals, of C relative.",
+        "difference from the prediction in standard errors; *+-*: half-widths of 95 % intervals, relative for C.",
         "",
         "| disk | density | C predicted | C estimated | +- | z | slope | +- | p | draws |",
         "|---|---|---|---|---|---|---|---|---|---|",
@@ -94,11 +94,11 @@ def ladder_lines(summary):
 
 
 def law_lines(summary):
-    yield from ("", "## Laws that it is not", "", "| law | p-value |", "|---|---|")
+    yield from ("", "## Wrong laws", "", "| law | p-value |", "|---|---|")
     for name, text in LAWS.items():
         yield f"| {text} | {summary['p_value'][name]:.2g} |"
     yield ""
-    yield "Tubes hold what is beside F. Falls anywhere else are for plain draws to find; the p-value is theirs."
+    yield "Tubes contain only states near F. The second law has falls anywhere: only plain draws can reject it."
 
 
 def split_lines(summary):
@@ -111,7 +111,7 @@ def split_lines(summary):
         ends = ["" if row[key] is None else f"{row[key]:.3f}" for key in ("energy_from", "energy_to")]
         yield f"| {ends[0]} | {ends[1]} | {row['share']:.5f} | {row['error']:.5f} | {row['predicted']:.5f} |"
     yield ""
-    yield "Between the signs of eta the shares are equal to leading order; P itself is off C delta by order delta:"
+    yield "To leading order both signs of eta have the same share; P itself differs from C delta by order delta:"
     yield from ("", "| delta | (P+ - P-) / P | 95 % | P/(C delta) - 1 | 95 % |", "|---|---|---|---|---|")
     for row in splits["eta_positive"][:4]:
         signs, off = row["asymmetry_interval_95"], row["correction_interval_95"]

@@ -171,8 +171,8 @@ def main():
         "",
         "Made by `python tests/reference/report_processors.py` on "
         f"{platform.machine()}, {' '.join(platform.libc_ver())}, numpy {np.__version__}. {said}.",
-        "Every row is compared with the first one. Other kinds are imitated: kernels are compiled for them, numpy",
-        "and the C library are told to leave out what they do not have. "
+        "Every row is compared with the first. Other kinds are imitated: kernels are compiled for them, and numpy",
+        "and the C library are told not to use what they lack. "
         + (
             "In the last rows QEMU emulates the processor."
             if emulated

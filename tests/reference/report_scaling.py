@@ -183,9 +183,9 @@ def sizes():
         "# Time and memory against the number of samples",
         "",
         "Made by `python tests/reference/report_scaling.py`, on an " + processor() + ".",
-        "*states*: the scene falling-set, which draws states and judges their side, their distance to F and",
-        "whether they could fall; none is kept. *passages*: the scene race-angles, all its rows stored on disk.",
-        "Both are summarised, without their pictures. Memory is the peak of the process.",
+        "*states*: the scene falling-set, which draws states and finds their side, their distance to F and",
+        "whether they could fall; no rows are stored. *passages*: the scene race-angles, all rows stored on disk.",
+        "Both are summarised, without pictures. Memory is the peak of the process.",
         "",
         "| work | samples | jobs | samples per second | memory (MB) | faster than one job |",
         "|---|---|---|---|---|---|",
@@ -206,7 +206,7 @@ def cost():
     save(draw_cost(rows), OUT / "cost.png")
     return [
         COST,
-        "accuracy 1e-2, one job; - where fewer than 99 % know their side.",
+        "accuracy 1e-2, one job (- where the side of more than 1 % is unknown).",
         "",
         "![time of a passage against the distance from F](cost.png)",
         "",

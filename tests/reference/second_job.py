@@ -159,12 +159,12 @@ def alone(gain):
 def lines(samples, found):
     """The part of the page about the second job."""
     best = {way: fastest(costs) for way, costs in found.items()}
-    yield f"race-angles, {samples:,} samples, all rows stored and summarised, without its pictures: one processor"
-    yield "draws those at the end, in a second or two whatever the number of samples. The fastest of"
-    yield f"{len(found[ONE])} rounds. Work is processor time of all processes of the run, idle what two"
-    yield "processors had left of the time that passed, pauses how often a thread let go: for a lock, for data."
-    yield "The last four columns are of the whole machine: seconds in which some process waited for a"
-    yield "processor, for the disk, for memory, and what other machines on the same hardware took."
+    yield f"race-angles, {samples:,} samples, all rows stored and summarised, without pictures: one processor"
+    yield "draws these at the end, in a second or two for any number of samples. The fastest of"
+    yield f"{len(found[ONE])} rounds. *Work* is processor time of all processes of the run, *idle* the rest of the"
+    yield "time of two processors, *pauses* how often a thread waited for a lock or for data."
+    yield "The last four columns describe the whole machine: seconds in which some process waited for a"
+    yield "processor, for the disk or for memory, and seconds taken by other machines on the same hardware."
     yield ""
     yield f"| how | {' | '.join(COLUMNS)} |"
     yield "|---|" + "---|" * len(COLUMNS)
@@ -181,8 +181,8 @@ def lines(samples, found):
         yield f"With {way} a run is {gain:.2f} times as fast, at {more:+.2f} s of work; by Amdahl's law that is"
         yield f"the gain of a run of which {100.0 * alone(gain):.0f} % is done while one processor stands idle."
     most = one.wall / best[BESIDE].wall
-    yield f"Two runs that share nothing but the machine are {most:.2f} times as fast as one after the other: more"
-    yield "the machine does not give."
+    yield f"Two runs that share nothing but the machine are {most:.2f} times as fast as one after the other,"
+    yield "which is the most that the machine can give."
 
 
 if __name__ == "__main__":
