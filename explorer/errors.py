@@ -23,7 +23,7 @@ from typing import Any
 MOST_JOBS = 1024  # threads or processes: more only take memory
 SHOWN = 60  # characters of a value in it
 _ELSEWHERE = {"rk45": "dopri5", "ode45": "dopri5"}  # what other programs call a word that is known here
-_THOUSANDS = {"k": "e3", "M": "e6"}  # 10k
+_THOUSANDS = {"k": "e3", "K": "e3", "M": "e6"}  # 10k
 _WHOLE = re.compile(r"[+-]?\d{1,400}", re.ASCII)  # Python refuses to read very long ones
 
 

@@ -76,6 +76,7 @@ def write(scene: Scene, parts: list[Measured], out: Path, command: str, where: P
     from matplotlib.figure import Figure
 
     from explorer.pictures.register import save
+    from explorer.pictures.style import SIZE
     from explorer.pictures.work_precision import work_precision
 
     page = [
@@ -86,7 +87,7 @@ def write(scene: Scene, parts: list[Measured], out: Path, command: str, where: P
         *(["\nStored for this machine; `--accuracy` and `--method auto` read it."] if where else []),
     ]
     (out / "README.md").write_text("\n".join(page) + "\n", encoding="utf-8")
-    figure = Figure(figsize=(6.4, 9.0 if len(parts) > 1 else 4.8), layout="constrained")
+    figure = Figure(figsize=(SIZE[0], 2.0 * SIZE[1] if len(parts) > 1 else SIZE[1]), layout="constrained")
     for part, ax in zip(parts, figure.subplots(len(parts), 1, sharex=True, squeeze=False)[:, 0], strict=True):
         work_precision(part, ax=ax)
     for ax in figure.axes[:-1]:

@@ -84,6 +84,11 @@ class FallingConstant(Table):
         """The numbers as columns of one row."""
         return {name: np.array([value]) for name, value in vars(self).items()}
 
+    def _lines(self) -> list[tuple[str, str]]:
+        """The numbers, and what they do not say."""
+        where = "for small delta only; ex.probability tells below which it holds"
+        return [*super()._lines(), *([("law C delta", where)] if math.isfinite(self.value) else [])]
+
 
 def falling_constant(
     disk: Disk,
@@ -122,6 +127,9 @@ def falling_constant(
 
     Notes
     -----
+    C does not say how small delta must be. Where states begin nearly flat, P at 1e-3 may exceed C delta a
+    thousandfold; `probability` tries it out, and says in `law.holds_below` from where on the law holds.
+
     A function that is large in less than a twentieth of the box may be missed: shrink the box to it. Of a function
     that jumps or oscillates the integral ends after some 10^7 points, and `error` says what is lacking.
 

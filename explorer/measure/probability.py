@@ -27,8 +27,8 @@ from explorer.phase.states import States
 
 Event = tuple[str, float] | str | Callable[[Bounces], ArrayLike]
 FEWEST = 100  # hits, or worth of hits, with which an interval is to be trusted
-# Plain draws over weighted ones at each face, the fewest of these, and how many tell whether the law holds.
-_SHARE, _LEAST, _COMPARED = 16, 256, 1 << 12
+# Plain draws over weighted ones at each face, and the fewest of these, which also tell whether the law holds.
+_SHARE, _LEAST = 16, 1 << 12
 # Where the law holds: decades of delta, and how far P may be off C delta.
 _DELTAS = tuple(10.0 ** -np.arange(1.0, 13.0))
 _HOLDS = 0.05
@@ -60,8 +60,8 @@ class Probability:
     estimate : float
         The probability.
     interval : (float, float)
-        It lies between these with a confidence of 95 %. After plain draws without a hit the lower one is 0 and the
-        upper one exact (Clopper-Pearson).
+        It lies between these with a confidence of 95 %. After plain draws without a hit the lower one is 0, and
+        the upper one is a bound of one side (Clopper-Pearson).
     effective_samples : float
         Number of hits of equal weight that would say as much; of plain draws their hits.
     law : Law or None
@@ -93,10 +93,13 @@ class Probability:
 
     def __repr__(self) -> str:
         low, high = self.interval
+        sure = f"95 % interval {low:.4g} to {high:.4g}"
+        if not self.effective_samples:
+            sure = f"no hit: with a confidence of 95 % it is at most {high:.4g}"
         how = {"plain": "plain draws", "importance": "importance sampling"}[self.method]
         lines = [
             f"Probability of {self.asked}",
-            f"  estimate: {self.estimate:.4g} (95 % interval {low:.4g} to {high:.4g})",
+            f"  estimate: {self.estimate:.4g} ({sure})",
             f"  effective samples: {self.effective_samples:,.0f}, by {how}",
         ]
         if self.law is not None:
@@ -134,7 +137,7 @@ def probability(
     accuracy : float
         Of `bounces`, and relative of theta_min, 1e-13 to 0.1.
     samples : int
-        Plain draws, and up to as many weighted ones.
+        Plain draws. Beside the falling set a sixteenth as many are made at each face, and 4,096 at least.
     rng : int, SeedSequence or Generator
         Where random numbers come from; the same int gives the same numbers.
     **coordinates
@@ -189,13 +192,17 @@ def probability(
         return _plainly(counted, None, "", asked)
     if near.why_not:
         return _plainly(counted, None, f"{near.why_not}: the share of plain draws is counted", asked)
-    law = _law(near, counted, random, max(samples // _SHARE, _COMPARED))
+    draws = max(samples // _SHARE, _LEAST)
+    law = _law(near, counted, random, draws)
     note = "" if law else _NO_LAW
     if counted.hits >= FEWEST or delta > LARGEST_DELTA:
         return _plainly(counted, law, note, asked)
-    rare = near.below(delta, random, max(samples // _SHARE, _LEAST))
+    rare = near.below(delta, random, draws)
     if rare.effective < FEWEST or not math.isfinite(rare.unknown):
-        return _plainly(counted, law, "too few weighted draws came so flat: plain draws are counted", asked)
+        why = (
+            f"weighted draws are worth {rare.effective:.0f} hits, and {FEWEST} are needed: plain draws are counted"
+        )
+        return _plainly(counted, law, why, asked)
     value, error = rare.estimate.value / counted.share, rare.estimate.error / counted.share
     error = math.hypot(error, value * counted.share_error)
     reach = error * float(scipy.stats.t.ppf(0.975, rare.estimate.dof))
@@ -285,16 +292,15 @@ def _seen(
 
 def _plainly(counted: _Counted, law: Law | None, note: str, asked: str) -> Probability:
     """What plain draws say; a draw that could not be told may be a hit or not."""
-    low, high = statistics.share(counted.hits, counted.states)["interval_95"]  # type: ignore[misc]
+    hits, states, most = counted.hits, counted.states, counted.hits + counted.unknown
+    low, high = (statistics.share(n, states)["interval_95"][i] for i, n in enumerate((hits, most)))  # type: ignore[index]
+    notes = [note] if note else []
     if counted.unknown:
-        without = f"{counted.unknown:,} of {counted.states:,} states have no answer; the interval allows for them"
-        note = f"{note}; {without}" if note else without
-    most = counted.hits + counted.unknown
-    if most > counted.hits:
-        high = statistics.share(most, counted.states)["interval_95"][1]  # type: ignore[index]
-    elif counted.hits == 0:
-        high = statistics.upper_bound(0, counted.states)
-    return Probability(counted.hits / counted.states, (low, high), float(counted.hits), law, "plain", note, asked)
+        notes.append(f"{counted.unknown:,} of {states:,} states have no answer; the interval allows for them")
+    if not hits:
+        high = statistics.upper_bound(most, states)
+        notes.append("more samples may see one, or lower the bound")
+    return Probability(hits / states, (low, high), float(hits), law, "plain", "; ".join(notes), asked)
 
 
 def _law(near: NearFallingSet, counted: _Counted, random: Stream, draws: int) -> Law | None:
@@ -303,7 +309,7 @@ def _law(near: NearFallingSet, counted: _Counted, random: Stream, draws: int) ->
 
     @cache
     def holds(delta: float) -> bool:
-        part = near.below(delta, random, _COMPARED)
+        part = near.below(delta, random, _LEAST)
         if min(C.effective, part.effective) < FEWEST:
             return False
         unit = C.estimate.value * (delta / _SMALL)

@@ -57,13 +57,13 @@ class Comparison:
 
     def __repr__(self) -> str:
         first = next(iter(self.bounces))
-        lines = [f"Comparison of {len(self.bounces[first]):,} bounces; largest differences from {first}"]
+        lines = [f"Comparison of {self.bounces[first].size:,} bounces; largest differences from {first}"]
         largest = {name: self.differences(name) for name in COMPARED}
         for method, found in self.bounces.items():
             said = [f"{found.ok.sum():,} ok", f"{self.seconds[method]:.3g} s"]
             if method != first:
                 sizes = ((name, np.nanmax(largest[name][method], initial=0.0)) for name in COMPARED)
-                said += [f"{name} {size:.1e}{' rad' if name in ANGLES else ''}" for name, size in sizes]
+                said += [f"{name} {size:.1e} {'rad' if name in ANGLES else 'relative'}" for name, size in sizes]
             lines.append(f"  {method}: {', '.join(said)}")
         return "\n".join(lines)
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.arcs import arcs_between, from_place, integrals, next_inward, places, some
+from explorer.motion.arcs import OF_ANGLES, allowed, arcs_between, from_place, integrals, next_inward, places, some
 from explorer.motion.starts import ArcStarts
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
@@ -132,13 +132,23 @@ def orbits_of(
     """
     rule, n = compiled.rules.ArcRow, ends.crosses.size
     here, back, ahead = (np.full((len(rule._fields), n), np.nan) for _ in range(3))
+    of_arc = _OF_ARC * accuracy
     narrow = (ends.width < compiled.nutation.WIDEST) & ~ends.beside_crest
+    rows = np.flatnonzero(narrow)
+    if rows.size:
+        whole, *parts = _wobbles(disk, motions.at(rows), ends, rows)
+        if lead:
+            here[:, rows], back[:, rows], ahead[:, rows] = parts
+        else:  # where the vertical lies in a well is not known as well as the well
+            here[:, rows], back[:, rows] = whole, 0.0
+        # Where a zero of K lies not far beyond, so few points do not serve wells as wide as these.
+        arc = rule(*whole)
+        known = arc.angle_error <= allowed(of_arc, arc.chi, arc.psi)
+        narrow[rows] = known & (arc.time_error <= max(of_arc, OF_ANGLES) * arc.time)
     # On a crest itself motions rest for ever. What falls on the other face has an arc on this one.
     length = ends.inner.d + ends.outer.d
     rows = np.flatnonzero((length > 0.0) & (length < np.inf) & ~narrow)
     X, Y, Y_far = motions.starts.X, motions.starts.Y, motions.Y_far
-
-    of_arc = _OF_ARC * accuracy
 
     def integrated(
         of: NDArray[np.intp], constant: Array, length: Array, low: Any, high: Any, crest: Array
@@ -171,13 +181,6 @@ def orbits_of(
         ahead[:, rows] = np.where(outer.d[rows] == 0.0, here[:, rows], 0.0)
         between = rows[(inner.d[rows] > 0.0) & (outer.d[rows] > 0.0)]
         ahead[:, between] = integrated(between, Y, inner.d, inner, state, inner.crest)
-    rows = np.flatnonzero(narrow)
-    if rows.size:
-        whole, *parts = _wobbles(disk, motions.at(rows), ends, rows)
-        if lead:
-            here[:, rows], back[:, rows], ahead[:, rows] = parts
-        else:  # where the vertical lies in a well is not known as well as the well
-            here[:, rows], back[:, rows] = whole, 0.0
     return Orbits(rule(*here), rule(*back), rule(*ahead))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
@@ -18,10 +18,10 @@ from explorer.motion.plan import Plan, plan
 from explorer.motion.starts import arc_starts_of, face_of, status_of_period
 from explorer.motion.threads import BLOCK, in_parts
 from explorer.motion.vertical import LARGEST
-from explorer.phase.disk import require_axial_inertia
-from explorer.phase.lines import motion_given
+from explorer.phase.disk import LARGEST_RATE, require_axial_inertia
+from explorer.phase.lines import line_chart, motion_given
 from explorer.phase.results import Result
-from explorer.phase.states import Array, States, columns_of, require_states
+from explorer.phase.states import Array, Rows, States, columns_of, require_states
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -89,7 +89,8 @@ def periods(
     eta_hat : array_like, optional
         Units of the disk, on the face whose hemisphere the state is in (+1 at the vertical). It replaces the
         state's own, which is only known to rounding: a state on F to rounding FALLS or is UNRESOLVED_SIDE
-        without it. States made by `constants_to_states` keep the one they were made from.
+        without it. Where it differs by more, the motion is another one, with that eta_hat and the sigma3_bar,
+        tilt and phidot of the state. States made by `constants_to_states` keep the one they were made from.
     jobs : int
         Threads, by default 1; the results do not depend on their number.
     method : str
@@ -183,11 +184,23 @@ def _orbits(
 
 
 def _with_eta_hat(states: States, eta_hat: ArrayLike) -> States:
-    """The states with the eta_hat that was given instead of their own."""
-    sigma3_bar, unit, code = states.motion.sigma3_bar, states.disk.rate_unit, compiled.status.Status
-    given = columns_of(eta_hat=eta_hat, states=sigma3_bar.reshape(states.shape))[0] / unit
+    """The states with the eta_hat that was given instead of their own, at the same tilt, phidot and sigma3_bar."""
+    disk, motion, code = states.disk, states.motion, compiled.status.Status
+    sigma3_bar = motion.sigma3_bar
+    given = columns_of(eta_hat=eta_hat, states=sigma3_bar.reshape(states.shape))[0] / disk.rate_unit
     if given.size != len(states):
         raise InputError(f"eta_hat broadcasts to {given.size} entries for {len(states)} states; give one for each")
     good = (states.status == code.OK) & (abs(given) < LARGEST)
-    motion = motion_given(states.disk, sigma3_bar, np.where(good, given, 1.0), states.rows.z >= 0.0)
-    return replace(states, given=motion, status=np.where(good, states.status, code.BAD_INPUT).astype(np.int8))
+    asked = motion_given(disk, sigma3_bar, np.where(good, given, 1.0), states.rows.z >= 0.0)
+    # By less than its rounding a state need not be moved to have that eta.
+    by = asked.eta_plus - motion.eta_plus
+    by = np.where(good & (abs(by) > np.fmax(motion.rounding_plus, motion.rounding_minus)), by, 0.0)
+    rows = Rows(*states.natural)
+    sigma3, sigma4 = line_chart(disk, rows.q, rows.z).rates(0.0, disk.eta_to_eta_hat(by))
+    moved = rows._replace(rho=rows.rho + sigma3 / rows.q, sigma4=rows.sigma4 + sigma4)
+    good &= np.fmax(abs(moved.rho), abs(moved.sigma4)) < LARGEST_RATE
+    natural, status = (
+        np.where(good, np.stack(moved), states.natural),
+        np.where(good, states.status, code.BAD_INPUT),
+    )
+    return States(disk, natural, status.astype(np.int8), asked, states.shape)

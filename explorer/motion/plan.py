@@ -28,7 +28,7 @@ METHODS = ("auto", *FIXED, *ADAPTIVE, "quadrature")
 _OF_LEVEL = {
     ALGEBRA: ("constants", "face", "distance", "could_fall"),
     QUADRATURE: ("theta_min", "race_angle", "delta_chi", "delta_psi", "duration", "period"),
-    REDUCED: ("phi", "phidot", "sigma3", "sigma4"),
+    REDUCED: ("phi", "tilt", "phidot", "sigma3", "sigma4"),
     ANGLES: ("time", "chi", "psi"),
     PATH: ("path", "contact"),
 }

@@ -51,6 +51,8 @@ class Trajectories:
         all arrays, so that it can be drawn as it is. With t_eval: those.
     phi : (n, nt) array or None
         Tilt (rad), -pi/2 to pi/2, 0 at the vertical.
+    tilt : (n, nt) array or None
+        Angle from flat (rad), 0 on face +1 to pi on face -1, with all digits of a small one.
     phidot, sigma3, sigma4 : (n, nt) array or None
         Rates of eq. (2.14), units of the disk.
     chi, psi : (n, nt) array or None
@@ -90,6 +92,7 @@ class Trajectories:
 
     t: Array
     phi: Array | None
+    tilt: Array | None
     phidot: Array | None
     sigma3: Array | None
     sigma4: Array | None
@@ -122,7 +125,7 @@ class Trajectories:
     @property
     def observables(self) -> tuple[str, ...]:
         """The names of those that were asked for."""
-        return tuple(name for name in (*_RATES, *ALL) if getattr(self, name) is not None)
+        return tuple(name for name in (*_OTHERS, *ALL) if getattr(self, name) is not None)
 
     def __len__(self) -> int:
         """Number of motions."""
@@ -178,7 +181,7 @@ class Trajectories:
         )
 
 
-_RATES = ("phidot", "sigma3", "sigma4")
+_OTHERS = ("tilt", "phidot", "sigma3", "sigma4")
 
 
 def simulate(
@@ -207,7 +210,7 @@ def simulate(
     t_eval : (nt,) array, optional
         Increasing times >= 0 at which to sample instead, the same for all motions.
     observables : sequence of str
-        Any of phi, phidot, sigma3, sigma4, chi, psi, path, contact. Only these are integrated.
+        Any of phi, tilt, phidot, sigma3, sigma4, chi, psi, path, contact. Only these are integrated.
     method : str
         'auto' (the cheaper adaptive pair), 'rk4', 'rk8', 'dopri5' or 'dop853'.
     accuracy : float
@@ -267,9 +270,9 @@ def trajectories(
     """As `simulate`, for those who know what lies between their times: without a warning."""
     require_states(states)
     end, times = _times(t_end, t_eval)
-    names = [one_of("observable", name, (*_RATES, *ALL)) for name in words("observables", observables)]
+    names = [one_of("observable", name, (*_OTHERS, *ALL)) for name in words("observables", observables)]
     if not names:
-        raise InputError(f"observables: none; give some of {', '.join((*_RATES, *ALL))}")
+        raise InputError(f"observables: none; give some of {', '.join((*_OTHERS, *ALL))}")
     how = plan(names, accuracy, method)
     chi0 = number("chi0", chi0, -_MOST_TURNED, _MOST_TURNED)
     start = recording.motions(states, how, chi0, whole("max_steps", max_steps, 1, _MOST_STEPS))
@@ -338,6 +341,7 @@ def _observables(disk: Disk, states: Array, names: Sequence[str]) -> dict[str, A
         height, shadow = q / norm, z / norm
     values: dict[str, Callable[[], Array]] = {
         "phi": lambda: np.arctan2(z, q),
+        "tilt": lambda: np.arctan2(q, z),
         "phidot": lambda: -p * unit,
         "sigma3": lambda: q * rho * unit,
         "sigma4": lambda: sigma4 * unit,

@@ -24,7 +24,7 @@ from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, constants_to_states
 from explorer.pictures.one_sided import angle_of_contact, flattest, path_on_table
 from explorer.pictures.register import Caption, Question, add_caption
-from explorer.pictures.style import DARK, SIGN_COLOURS, TEXT, arrow, dress, legend_of_all, number, times_of
+from explorer.pictures.style import DARK, SIGN_COLOURS, SIZE, TEXT, arrow, dress, legend_of_all, number, times_of
 
 SIGMA3 = PHIDOT = 1.0
 CHI0 = 0.5  # rad; not in the paper, see `INFERRED`
@@ -159,10 +159,10 @@ _CONTACT = (
     "each ring, where the disk is flattest, it runs round a circle of the rim, one way or the other by side of F."
 )
 _TITLES = {
-    "chi": r"Each near-fall turns $\chi$ by $\kappa\pi$: up on one side of $F$, down on the other",
-    "axis": r"Where the disk is nearly flat its axis turns round the vertical by $\kappa\pi$",
-    "path": "The centre, seen from above: the sides of $F$ leave in different directions",
-    "contact": "The contact point, seen from above: the sides of $F$ race opposite ways",
+    "chi": r"In a fall $\chi$ turns by $\kappa\pi$, up or down by the side of $F$",
+    "axis": r"Nearly flat, the axis turns round the vertical by $\kappa\pi$",
+    "path": "The centre leaves a fall in a direction that depends on the side",
+    "contact": "On the two sides of $F$ the contact point races opposite ways",
 }
 _UNIFORM, _HOOP = Disk.uniform(), Disk.hoop()
 FIGURES = {
@@ -192,7 +192,7 @@ def figure(which: int, disk: Disk | None = None, eta_hat: float = ETA_HAT) -> Fi
         unit = disk.m * disk.r**2  # the figures are in units m = r = g = 1
         body = Disk(I1=disk.I1 / unit, I3=disk.I3 / unit, name=disk.name)
     both = curves(body, positive("eta_hat", eta_hat), plan.turns)
-    made = Figure(figsize=(7.2, 4.4), layout="compressed")
+    made = Figure(figsize=SIZE, layout="compressed")
     together = plan.kind != "axis"
     panels = made.subplots(1, 2, sharex=together, sharey=together)
     for place, (ax, side) in enumerate(zip(panels, plan.sides, strict=True)):
@@ -208,7 +208,7 @@ def figure(which: int, disk: Disk | None = None, eta_hat: float = ETA_HAT) -> Fi
         if together:
             ax.lines[0].set_label("_side")  # the title says it
     if plan.kind != "chi":  # of equal scales: no taller than the panels need
-        made.set_figheight(1.65 + 3.1 * np.ptp(panels[0].get_ylim()) / np.ptp(panels[0].get_xlim()))
+        made.set_figheight(1.7 + 2.2 * np.ptp(panels[0].get_ylim()) / np.ptp(panels[0].get_xlim()))
     made.suptitle(_TITLES[plan.kind], fontsize=TEXT)
     legend_of_all(made, panels, ncols=3)
     add_caption(made, Caption(Question.PAPER, plan.caption(which, body, eta_hat)))

@@ -50,9 +50,9 @@ class Coordinates(TypedDict, total=False):
 def rates_to_states(
     disk: Disk,
     tilt: ArrayLike,
-    tilt_rate: ArrayLike,
-    precession: ArrayLike,
-    spin: ArrayLike,
+    tilt_rate: ArrayLike = 0.0,
+    precession: ArrayLike = 0.0,
+    spin: ArrayLike = 0.0,
     face: ArrayLike = 1,
     degrees: bool = False,
 ) -> States:
@@ -66,7 +66,7 @@ def rates_to_states(
         Angle between the disk's plane and the table (rad): 0 is flat, pi/2 is upright.
     tilt_rate, precession : array_like
         Rates (units of the disk) of the tilt, positive where the disk rises, and at which the contact point turns
-        about the vertical.
+        about the vertical. A rate that is left out is 0.
     spin : array_like
         Angular velocity about the disk's own axis (units of the disk), as a gyroscope on the disk would read it. A
         disk that keeps the same point on the table has face * precession * cos(tilt).
@@ -135,7 +135,7 @@ def _warn_of_tilts(angle: Array, degrees: bool) -> None:
     """Warn of tilts (rad) that are none, and, unless degrees were said, of such as look like them."""
     if not degrees and warn_of_degrees(angle, 4):
         return
-    outside = angle[(angle <= 0.0) | (angle >= np.pi)]
+    outside = angle[~((angle > 0.0) & (angle < np.pi))]
     if outside.size:
         warnings.warn(
             f"tilt: {outside.size:,} of {angle.size:,} lie outside 0 to pi, {outside[0]:g} rad for instance, and "
@@ -153,12 +153,14 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
     disk : Disk
         The disk.
     **coordinates
-        Three to five arrays, which broadcast. phi : angle to the vertical (rad), 0 where it is left out. One of
-        phidot : its rate (units of the disk), or energy : which then gives phidot >= 0. And two of the rates
-        (units of the disk) sigma3 : with sigma4 : of eq. (2.14), or the constants of motion sigma3_bar : with
-        sigma4_bar : or with eta_hat : of the face +1 or -1 that face : says, +1 where it is left out.
-        Also the arguments of `theta_to_states` (theta, thetadot, sigma3, sigma4 and face), or of
-        `rates_to_states` in radians (tilt, tilt_rate, which is 0 where it is left out, precession, spin and face).
+        Three to five arrays, which broadcast: one for the tilt, one for its rate, and two for the spins. Rates are in
+        the units of the disk.
+        The tilt is phi : angle to the vertical (rad), 0 if left out. With it comes phidot : its rate; or energy :
+        which then gives phidot >= 0. Instead, theta : with thetadot : as `theta_to_states` takes them, or
+        tilt : (rad) with tilt_rate : 0 if left out, as `rates_to_states` does.
+        The spins are sigma3 : with sigma4 : of eq. (2.14); beside phi also constants of motion, sigma3_bar : with
+        sigma4_bar : or with eta_hat : ; beside tilt, precession : and spin : instead.
+        face : +1 or -1, the face to which theta, tilt or eta_hat refers; +1 if left out.
 
     Returns
     -------

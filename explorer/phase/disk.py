@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, double_of, nearest, number, one_of, positive, shown, word
+from explorer.errors import InputError, double_of, nearest, number, one_of, positive, said, shown, word
 from explorer.phase.energy import energy_at
 from explorer.phase.paths import read_toml
 
@@ -238,7 +238,10 @@ class Disk:
         head, _, rest = text.strip().partition(":")
         if head == "annulus":
             inner, _, scales = rest.partition(",")
-            return _preset(partial(cls.annulus, number("disk: annulus", inner)), scales)
+            ratio = double_of(inner)
+            if ratio is None:
+                raise InputError(f"disk {shown(text)}: give its inner over its outer radius, as in annulus:0.5")
+            return _preset(partial(cls.annulus, ratio), scales)
         if head in PRESETS:
             return _preset(getattr(cls, head), rest)
         if text.strip().endswith(".toml"):
@@ -413,6 +416,9 @@ def _in_si(key: str, value: str) -> str:
         bare = value.removesuffix(unit).rstrip()
         if key in keys and bare != value and double_of(bare) is not None:
             return repr(float(bare) * size)
+    units = [unit for unit, (_, keys) in UNITS.items() if key in keys]
+    if units and value[:1].isdigit() and double_of(value) is None:
+        raise InputError(f"{said(f'disk: {key}', value)} is not a number; give one, also in {', '.join(units)}")
     return value
 
 

@@ -35,9 +35,14 @@ class Table:
         shapes = [np.shape(value) for value in self._arrays().values()]
         return min(shapes, key=len, default=())
 
-    def __len__(self) -> int:
+    @property
+    def size(self) -> int:
         """Number of samples, whatever the shape."""
         return int(np.prod(self.shape))
+
+    def __len__(self) -> int:
+        """Number of entries along the first axis, as of an array."""
+        return self.shape[0] if self.shape else 1
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
         """All arrays of this object by name."""
@@ -106,7 +111,7 @@ class Table:
 
     def _title(self) -> str:
         shape = " x ".join(map(str, self.shape))
-        return f"{type(self).__name__} of {len(self):,}" + (f" ({shape})" if len(self.shape) > 1 else "")
+        return f"{type(self).__name__} of {self.size:,}" + (f" ({shape})" if len(self.shape) > 1 else "")
 
     def __repr__(self) -> str:
         return "\n".join([self._title(), *(f"  {name}: {text}" for name, text in self._lines())])
@@ -137,14 +142,14 @@ class Result(Table):
 
     def __getitem__(self, rows: Any) -> Self:
         """Some of the samples, chosen as entries of an array of this shape are: by a number, a slice or a mask."""
-        places = np.atleast_1d(np.arange(len(self)).reshape(self.shape)[rows])
+        places = np.atleast_1d(np.arange(self.size).reshape(self.shape)[rows])
         arrays = {
-            name: v.reshape(len(self), *v.shape[len(self.shape) :])[places] for name, v in self._arrays().items()
+            name: v.reshape(self.size, *v.shape[len(self.shape) :])[places] for name, v in self._arrays().items()
         }
         states = getattr(self, "states", None)
         if states is None:
             return replace(self, **arrays)  # type: ignore[type-var]
-        each = states.at(places.ravel() // max(len(self) // max(len(states), 1), 1))
+        each = states.at(places.ravel() // max(self.size // max(len(states), 1), 1))
         return replace(self, **arrays, states=replace(each, shape=places.shape))  # type: ignore[type-var]
 
     @property
@@ -178,12 +183,13 @@ class Result(Table):
         return self.ok
 
     def _lines(self) -> list[tuple[str, str]]:
-        """What the description says: counts of statuses, then medians of the samples that are ok."""
+        """What the description says: counts of statuses, their remedies, and medians of samples that are ok."""
         counts = Counter(self.status_names.ravel().tolist())
         numbers = super()._lines()
         of = f" (numbers below: of the {counts['ok']:,} ok)" if numbers and len(counts) > 1 else ""
         said = ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "no samples"
-        return [("status", said + of), *numbers]
+        remedies = [(name, compiled.status.Status[name.upper()].remedy) for name in counts if name != "ok"]
+        return [("status", said + of), *remedies, *numbers]
 
 
 def unit_of(name: str, disk: Disk | None = None) -> str:

@@ -23,6 +23,7 @@ from explorer.pictures.style import (
     FLAT_TICKS,
     HALF_PI,
     SERIES,
+    SIZE,
     SMALL,
     TEXT,
     UNSTABLE,
@@ -79,9 +80,9 @@ def bifurcation_of_tilts(ax: Axes, disk: Disk, path: str) -> None:
     for mark in marks:
         ax.axvline(mark, color=SERIES[1], lw=1.4, ls=":", label=name if mark > 0.0 else None)
     if path == "line":
-        ax.set_xlim(1.4 * min(marks), 1.4 * max(marks))
+        ax.set_xlim(1.8 * min(marks), 1.8 * max(marks))
         for mark in marks:
-            ax.text(1.2 * mark, 0.0, "no steady\nmotion", ha="center", va="center", fontsize=SMALL)
+            ax.text(1.4 * mark, 0.0, "no steady\nmotion", ha="center", va="center", fontsize=SMALL)
     ax.set_ylim(-1.68, 1.68)
     ax.set_yticks(*FLAT_TICKS)
     for flat in (-HALF_PI, HALF_PI):
@@ -153,7 +154,7 @@ def bifurcation_of_energies(
     "The motions of the tilt at one place of each region of energies along a path, those of the place's energy "
     "drawn thick. On violet ground the disk falls; elsewhere it goes to and fro, in one of two wells where there "
     "are two and the energy is little.",
-    (7.4, 4.0),
+    (SIZE[0], 5.2),
     "bifurcation",
     lambda asked: [(f"regions-{path}", (asked.disk, path)) for path in _DRAWN],
 )
@@ -166,15 +167,22 @@ def portraits_of_regions(
     """
     threshold = max(path_values(disk, one_of("path", path, PATHS))[1])
     found = _of_places(disk, path, threshold, places)
-    panels = figure.subplots(1, len(found), sharey=True, squeeze=False)[0]
+    rows = -(-len(found) // 3)
+    panels = figure.subplots(rows, -(-len(found) // rows), sharex=True, sharey=True, squeeze=False)
+    for ax in panels.ravel()[len(found) :]:
+        ax.axis("off")
     fastest = 0.0
-    for number, (ax, ((_, energy), potential)) in enumerate(zip(panels, found, strict=True)):
+    for number, (ax, ((_, energy), potential)) in enumerate(zip(panels.ravel(), found, strict=False)):
         fastest = max(fastest, small_portrait(ax, potential, energy))
         title = f"{_letter(number)}: {_fate(potential.components(energy))}"
-        dress(ax, r"$\varphi$ (rad)", "" if number else coordinate_label("phidot", disk), title)
-    panels[0].set_ylim(-1.1 * fastest, 1.1 * fastest)
+        dress(ax, "", "", title)
+    for ax in panels[-1]:
+        ax.set_xlabel(r"$\varphi$ (rad)", fontsize=TEXT)
+    for ax in panels[:, 0]:
+        ax.set_ylabel(coordinate_label("phidot", disk), fontsize=TEXT)
+    panels[0, 0].set_ylim(-1.1 * fastest, 1.1 * fastest)
     figure.suptitle(f"{disk.name}, {_ON[path]}: {_SAYS.get(path, _OF_WELLS)}", fontsize=TEXT)
-    legend_of_all(figure, panels, ncols=4, more=grounds(potential for _, potential in found))
+    legend_of_all(figure, panels.ravel(), ncols=3, more=grounds(potential for _, potential in found))
 
 
 def _of_places(

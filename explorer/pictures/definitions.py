@@ -14,7 +14,7 @@ from explorer.phase.disk import Disk
 from explorer.phase.lines import line_slope
 from explorer.phase.states import Array
 from explorer.pictures.register import Question, picture
-from explorer.pictures.style import DARK, SIGN_COLOURS, SMALL, TEXT, dress
+from explorer.pictures.style import DARK, SIGN_COLOURS, SIZE, SMALL, TEXT, dress
 
 _PHI, _CHI, _PSI = math.radians(38.0), math.radians(35.0), math.radians(70.0)
 _ELEVATION, _AZIMUTH, _DISTANCE = math.radians(24.0), math.radians(-22.0), 11.0  # of the eye
@@ -135,7 +135,7 @@ def _disk(ax: Axes) -> None:
     words = r"$\sigma_3 = \dot\chi\,\cos^2\varphi$"
     ax.text(1.3, -1.5, words, color=_ANGLES["chi"], fontsize=TEXT)
     ax.set(xlim=(-2.05, 2.35), ylim=(-1.6, 1.95), aspect="equal")
-    ax.set_title("Angles: flat is φ = ±π/2, face ±1; θ = π/2 − φ", fontsize=TEXT)
+    ax.set_title(r"Flat is $\varphi = \pm\pi/2$, on face $\pm 1$; $\theta = \pi/2 - \varphi$", fontsize=TEXT)
     ax.axis("off")
 
 
@@ -185,7 +185,7 @@ def _plane(ax: Axes, disk: Disk) -> None:
         r"$\bar\sigma_3$: $\sigma_3$ at the vertical ($\sqrt{g/r}$)",
         r"$\bar\sigma_4$: $\sigma_4$ at the vertical ($\sqrt{g/r}$)",
     )
-    dress(ax, *words, "Constants of motion, and the sides of F")
+    dress(ax, *words, "The line of the falls parts the sides of $F$")
 
 
 @picture(
@@ -194,7 +194,7 @@ def _plane(ax: Axes, disk: Disk) -> None:
     "its axis, χ the direction in which the contact point lies, ψ how far it has moved along the rim. Below, the "
     "constants of motion: only on the line l₊ does the disk fall flat on face +1, and the sign of the distance η̂ "
     "to it is the side of F.",
-    (6.4, 9.4),
+    (SIZE[0], 8.6),
     "definitions",
 )
 def definitions(figure: Figure, disk: Disk) -> None:

@@ -21,7 +21,7 @@ _NEAR = "draws near $F$, 95 % all at once"
     "The probability to come flatter than δ, over fifteen decades. Estimates with their intervals lie on the "
     "line Cδ, whose C is computed without any sample; two other laws, drawn in, miss them. Below, the estimates "
     "divided by the law: all intervals hold 1 as soon as δ is small.",
-    (SIZE[0], 8.4),
+    (SIZE[0], 9.0),
 )
 def probability(figure: Figure, summary: dict[str, Any]) -> None:
     """Draw estimates of P(theta_min < delta) with intervals, the line C delta, and laws that it is not."""
@@ -32,7 +32,7 @@ def probability(figure: Figure, summary: dict[str, Any]) -> None:
         above = below = figure.subplots()
     _estimates(above, summary)
     below.set_xlabel(r"$\delta$ (rad)", fontsize=TEXT)
-    legend_of_all(figure, dict.fromkeys((above, below)))
+    legend_of_all(figure, dict.fromkeys((above, below)), ncols=1)
 
 
 def _estimates(ax: Axes, summary: dict[str, Any]) -> None:

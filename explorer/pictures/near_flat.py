@@ -19,17 +19,18 @@ from explorer.pictures.style import (
     DARK,
     SIDES,
     SIGN_COLOURS,
-    SMALL,
+    SIZE,
     TEXT,
     arrow,
     dress,
     legend_below,
-    open_frame,
+    legend_of_all,
     power,
 )
 
 _GREY = "#999999"
-_STYLES = (":", "-.", "--", "-", (0, (1, 1)))
+_STYLES: tuple[Any, ...] = (":", "-.", "--", "-", (0, (1, 1)))
+_NEARER = (":", "--", "-")
 _SEEN = 30.0  # of A t/theta_m, on an axis that is linear to 3
 _LOW = 0.6  # of cos phi: from here down a motion is near flat
 _PARTS = 2  # of a step of the record, for 0.1 rad of chi between two points of a curve
@@ -89,44 +90,43 @@ def _on_both_sides(sizes: Sequence[float]) -> list[float]:
 
 @picture(
     Question.EACH_SIDE,
-    "The path of the contact point on the table, seen from above, from the vertical through two falls, nearer and "
-    "nearer to F from both sides. Each circle is a race round the rim of the disk that lies almost flat. From "
-    "left to right the paths settle down, to one limit above and to another one below: the limit at F depends on "
-    "the side.",
-    (7.2, 4.6),
+    "The path of the contact point on the table, seen from above, from the vertical through two falls, on both "
+    "sides of F. Each circle is a race round the rim of the disk that lies almost flat. The nearer to F, the "
+    "nearer the path is to the limit of its side, the broad line; the limits of the sides lead apart.",
+    (SIZE[0], 4.2),
     "limit",
 )
-def limit_paths(figure: Figure, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.01, 0.001)) -> None:
-    """Draw contact paths at decreasing distances from F, section 7, and the limits, a row for each side.
+def limit_paths(figure: Figure, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.03, 0.01)) -> None:
+    """Draw contact paths at decreasing distances from F, section 7, and the limits, a panel for each side.
 
     eta_hat: in natural units, as sigma3_bar = phidot = 1.
     """
     start = constants_to_states(disk, disk.rate_unit, 0.0, disk.rate_unit)
     several = [both_sides(start, size * disk.rate_unit) for size in eta_hat]
-    grid = figure.subplots(2, len(several) + 1, sharex=True, sharey=True, squeeze=False)
-    for row, sign in enumerate((1, -1)):
-        for ax, both, size in zip(grid[row], several, eta_hat, strict=False):
-            _path(ax, both.motions[sign]["contact"][:, :2] / disk.r, SIGN_COLOURS[sign])
-            if row == 0:
-                ax.set_title(_size(size), fontsize=TEXT)
-        _path(grid[row, -1], several[-1].limit_path(sign) / disk.r, SIGN_COLOURS[sign])
-        grid[row, 0].set_ylabel(SIDES[sign], fontsize=TEXT + 2, color=SIGN_COLOURS[sign])
-    grid[0, -1].set_title("limit", fontsize=TEXT)
-    for ax in grid.ravel():
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    for ax, (sign, colour) in zip(panels, SIGN_COLOURS.items(), strict=True):
+        limit = several[-1].limit_path(sign) / disk.r
+        ax.plot(*limit.T, color=colour, lw=7.0, alpha=0.25)
+        for place, (both, size) in enumerate(zip(several, eta_hat, strict=True)):
+            style = _NEARER[place % len(_NEARER)]
+            _path(ax, both.motions[sign]["contact"][:, :2] / disk.r, colour, style)
+            ax.plot([], [], color=_GREY, ls=style, label=rf"$|\hat\eta|$ = {size:g}")
         ax.set_aspect("equal")
-        ax.tick_params(labelsize=SMALL)
-        open_frame(ax)
+        dress(ax, "$x$ ($r$)", "$y$ ($r$)" if sign > 0 else "", SIDES[sign])
+        ax.title.set_color(colour)
+    panels[0].plot([], [], color=_GREY, lw=7.0, alpha=0.4, label="limit")
+    panels[0].plot([], [], "o", color=DARK, ms=5, label="start")
     figure.suptitle("Nearer to $F$ the paths settle, on each side to another limit", fontsize=TEXT)
-    figure.supxlabel("on the table ($r$)", fontsize=TEXT)
+    legend_of_all(figure, panels, ncols=3)
 
 
 def _size(eta_hat: float) -> str:
     return rf"$|\hat\eta| = {power(abs(eta_hat))}$"
 
 
-def _path(ax: Axes, path: Array, colour: str) -> None:
-    ax.plot(*path.T, color=colour, lw=1.5)
-    ax.plot(*path[0], "o", color=DARK, ms=4)
+def _path(ax: Axes, path: Array, colour: str, style: Any) -> None:
+    ax.plot(*path.T, color=colour, lw=1.5, ls=style)
+    ax.plot(*path[0], "o", color=DARK, ms=5)
     # Along the last piece, so that the way is seen.
     back = int(np.searchsorted(-np.linalg.norm(path - path[-1], axis=1), -0.3))
     how = {"arrowstyle": "-|>", "color": colour, "lw": 1.5, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 14}
@@ -181,7 +181,7 @@ def blow_up(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.01, 0.001))
         ax.plot(-A * np.cos(turned), side * A * np.sin(turned), color=colour, lw=8.0, alpha=0.25, label=at_flat)
     for place, one in enumerate(several):
         low, side = np.sin(one.theta) < _LOW, 1 if one.eta_hat > 0.0 else -1
-        style = _STYLES[(place // 2 + 1) % len(_STYLES)]  # of three the nearest is solid
+        style = _NEARER[place // 2 % len(_NEARER)]
         look: dict[str, Any] = {"color": SIGN_COLOURS[side], "ls": style, "lw": 1.6}
         path = np.stack([one.p, one.rho / one.kappa], axis=1)[low]
         ax.plot(*path.T, **look)

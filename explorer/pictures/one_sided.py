@@ -13,29 +13,27 @@ from explorer.phase.states import Array
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import (
     LAW,
-    MARKERS,
-    SERIES,
     SIDES,
     SIGN_COLOURS,
     SIZE,
     SMALL,
     arrow,
+    body_looks,
     dress,
     legend_below,
     number,
     times_of,
 )
 
-_BODY_NAMES = {"matching": r"flat body with $mr^2/I_1 = 3$"}
-_OF_ANY = "0.4"  # lines in a legend that are drawn of each body, in its colour
+_BODY_NAMES = {"matching": "$mr^2/I_1 = 3$"}
 _LIMIT: dict[str, Any] = {"color": LAW, "lw": 0.9, "ls": ":"}
 
 
 @picture(
     Question.EACH_SIDE,
-    "How far a motion near F is from the limit motion of its own side, as η tends to 0: solid lines are medians "
-    "over the starts, thin broken ones the largest distance. Both fall as steeply as η ln(1/η), the dotted line, "
-    "whose height is free: each side has its own limit.",
+    "How far motions are from the limit motion of their own side, against their distance from F. Coloured lines "
+    "are medians over the starts, on the worse side; the broken one is the farthest of all bodies and starts. "
+    "Below 0.01 they fall about as steeply as η ln(1/η), the dotted line, whose height is free.",
 )
 def one_sided_distance(ax: Axes, summary: dict[str, Any]) -> None:
     """Draw the distance to the limit motion of the same side against |eta_hat|, of the worse side, for each disk.
@@ -43,34 +41,33 @@ def one_sided_distance(ax: Axes, summary: dict[str, Any]) -> None:
     summary: of a run of scene one-sided.
     """
     ax.set(xscale="log", yscale="log")
-    drawn: list[tuple[Array, Array]] = []
-    for index, (name, per_disk) in enumerate(summary["disks"].items()):
-        rows = [row for row in per_disk["distances"] if "median_plus" in row or "median_minus" in row]
-        if not rows:
-            continue
-        eta = np.array([row["eta_hat"] for row in rows])
-        median, largest = (
-            np.array([max(row.get(f"{what}_{side}", 0.0) for side in ("plus", "minus")) for row in rows])
-            for what in ("median", "largest")
-        )
-        colour, marker = SERIES[1 + index % (len(SERIES) - 1)], MARKERS[index % len(MARKERS)]
-        ax.plot(eta, median, color=colour, marker=marker, lw=1.6)
-        ax.plot(eta, largest, color=colour, lw=0.9, ls="--")
-        ax.plot([], [], ls="", color=colour, marker=marker, label=_BODY_NAMES.get(name, name))
-        drawn.append((eta, median))
-    ax.plot([], [], color=_OF_ANY, lw=1.6, label="median of the starts")
-    ax.plot([], [], color=_OF_ANY, lw=0.9, ls="--", label="largest")
-    if drawn:
-        eta, median = drawn[0]
+    looks = body_looks(summary["disks"])
+    largest: dict[float, float] = {}
+    for name, per_disk in summary["disks"].items():
+        median: dict[float, float] = {}
+        for row in per_disk["distances"]:
+            at, sides = row["eta_hat"], [side for side in ("plus", "minus") if f"median_{side}" in row]
+            if sides:
+                median[at] = max(row[f"median_{side}"] for side in sides)
+                largest[at] = max(largest.get(at, 0.0), *(row[f"largest_{side}"] for side in sides))
+        colour, marker = looks[name]
+        ax.plot(*_by_size(median), color=colour, marker=marker, label=f"{_BODY_NAMES.get(name, name)}, median")
+    if largest:
+        eta, most = _by_size(largest)
+        ax.plot(eta, most, color="0.45", ls="--", label="the farthest of all")
         law = eta * np.log(1.0 / eta)
         ax.plot(
-            eta, 0.5 * median.min() * law / law.min(), **_LIMIT | {"lw": 1.8}, label=r"$\propto\eta\,\ln(1/\eta)$"
+            eta, 0.1 * most.min() * law / law.min(), **_LIMIT | {"lw": 1.8}, label=r"$\propto\eta\,\ln(1/\eta)$"
         )
-    legend_below(ax, ncols=3)
-    title = "Each side of $F$ tends to its own limit motion"
-    dress(
-        ax, r"$|\hat\eta|$ ($\sqrt{g/r}$ of each disk)", "distance (angles in rad, paths in r)", title, grid=True
-    )
+    legend_below(ax, ncols=2)
+    title = "The nearer to $F$, the nearer to the limit of the side"
+    dress(ax, r"$|\hat\eta|$ ($\sqrt{g/r}$ of each disk)", "distance (angles: rad, paths: r)", title, grid=True)
+
+
+def _by_size(values: dict[float, float]) -> tuple[Array, Array]:
+    """Distances from F in order, and what there is at each."""
+    sizes = np.array(sorted(values))
+    return sizes, np.array([values[size] for size in sizes])
 
 
 @picture(
@@ -97,7 +94,7 @@ def one_sided_motion(figure: Figure, both: BothSides) -> None:
     turns = round(both.disk.race_limit / np.pi)
     rest = 2.0 * both.disk.race_limit - 2.0 * np.pi * turns
     apart = "exactly" if abs(rest) < 1e-9 else f"{'+' if rest > 0.0 else '−'} {abs(rest):.3f} rad"
-    legend_below(angle, ncols=3)
+    legend_below(angle)
     dress(tilt, "", r"tilt $\varphi$ (rad)", f"{_named(both)}: both sides of $F$ fall and rise alike")
     title = f"After a fall the sides are $2\\kappa\\pi$ apart: {turns} turns {apart}"
     dress(angle, f"$t$ ({times_of(both.disk)})", r"$\chi$ (rad)", title)

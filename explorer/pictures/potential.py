@@ -21,6 +21,7 @@ from explorer.pictures.style import (
     SERIES,
     SIDES,
     SIGN_COLOURS,
+    SIZE,
     SMALL,
     TEXT,
     arrow,
@@ -182,7 +183,7 @@ def _name(potential: Potential) -> str:
     "sides are alike, and both turn back just before flat. Right, the speed of the contact point along the rim, "
     "ρ = σ₃/cos φ, against the rate of the tilt: near flat each motion runs along half of an ellipse, and the two "
     "halves are the races, in opposite directions. The loops inside, alike on both sides, are the far turn.",
-    (7.4, 4.4),
+    (SIZE[0], 4.2),
     "phase",
     lambda asked: [
         ("portrait-sides", (each, asked.energy)) for name, each in asked.places().items() if name == "plus"
@@ -207,9 +208,10 @@ def portrait_of_sides(figure: Figure, potential: Potential, energies: tuple[floa
         tilt.axvline(face * HALF_PI, color=WALL, lw=3.0)
     race.axvline(0.0, color=DARK, lw=0.6)
     phi_axis(tilt)
+    tilt.set_xticks([-HALF_PI, 0.0, HALF_PI], ["−π/2", "0", "π/2"])
     rate, unit = coordinate_label("phidot", potential.disk), rates_of(potential.disk)
     dress(tilt, r"$\varphi$ (rad); flat at ±π/2", rate, "The tilt: both sides alike")
-    dress(race, rf"speed along the rim, $\rho$ ({unit})", "", "The race: opposite ways")
+    dress(race, rf"along the rim, $\rho$ ({unit})", "", "The race: opposite ways")
     legend_of_all(figure, [tilt])
     figure.suptitle(f"{_name(potential)}, beside ${_line(potential)}$", fontsize=TEXT)
 
@@ -258,7 +260,7 @@ def _curves(places: dict[str, Potential]) -> list[tuple[str, tuple[Any, ...]]]:
 @picture(
     Question.WHICH_MOTIONS,
     "The amended potential on the line of the falling motions and beside it. On the line it ends at a finite "
-    "value at flat; beside the line a wall rises there, the steeper the nearer to the line.",
+    "value at flat; beside the line a wall rises there, η²/(2I₁θ²) at a tilt θ from flat.",
     group="phase",
     portraits=lambda asked: _curves(asked.places()),
 )
@@ -290,19 +292,17 @@ def potentials(ax: Axes, several: Sequence[Potential], near_flat: bool = False) 
         if side == 0:
             _end_at_flat(ax, potential, near_flat)
     ax.set_ylim(0.0, top)
-    legend_below(ax, ncols=3)
+    legend_below(ax, ncols=2 if near_flat else 3)
     x = r"$\varphi$ (rad); flat at ±π/2"
     if near_flat:
         x = r"tilt from flat $\theta$ (rad)"
         walls = [abs(each.eta_hat) / disk.rate_unit for each in several if each.eta]
         ax.set_xscale("log")
         ax.set_xlim(2.0, 0.1 * min(walls, default=1e-5))  # flat at the right, as in phi
-        told = "walls at flat\n" r"$\eta^2/(2I_1\theta^2)$" if walls else ""
-        ax.text(0.97, 0.95, told, ha="right", va="top", transform=ax.transAxes)
     else:
         phi_axis(ax)
     unit = "$m g r$" if disk.energy_unit == 1.0 else f"energy; $m g r$ = {disk.energy_unit:.3g}"
-    title = rf"{disk.name}: amended potential at $\bar\sigma_3$ = {several[0].sigma3_bar:.4g}"
+    title = f"{_name(several[0])}, {'beside $F$ a wall rises at flat' if near_flat else 'amended potential'}"
     dress(ax, x, f"amended potential $V$ ({unit})", title)
 
 

@@ -70,7 +70,7 @@ def race_histogram(
     dress(
         below,
         r"distance of the race angle from $\pm\kappa\pi$ (rad)",
-        r"decades of $|\hat\eta|$, each from ($\sqrt{g/r}$)",
+        r"decade of $|\hat\eta|$, from ($\sqrt{g/r}$)",
         title,
     )
 
@@ -115,7 +115,7 @@ def _angles(ax: Axes, found: Mapping[str, Any]) -> None:
         counts, outside = np.array(histogram[f"counts_{name}"]), histogram[f"outside_{name}"]
         high, edges = np.add.reduceat(counts, np.arange(0, counts.size, _JOINED)), histogram["edges"][::_JOINED]
         ax.stairs(high / max(int(high.max()), 1), edges, fill=True, color=SIGN_COLOURS[side])
-        words = f"{counts.sum() + outside:,} passages\nwith {SIDES[side]}"
+        words = f"{counts.sum() + outside:,}\nwith {SIDES[side]}"
         ax.text(0.5 * side * limit, 0.9, words, ha="center", va="top", fontsize=SMALL)
         told += [f"{outside:,} of {SIDES[side]} lie outside"] if outside else []
     told += [] if wrong is None else [f"{wrong:,} race the wrong way" if wrong else "none races the wrong way"]
@@ -123,16 +123,16 @@ def _angles(ax: Axes, found: Mapping[str, Any]) -> None:
     ax.set(xlim=(-1.5 * limit, 1.5 * limit), ylim=(0.0, 1.1), yticks=[])
     ticks = [-limit, -np.pi, 0.0, np.pi, limit]
     ax.set_xticks(ticks, [r"$-\kappa\pi$", "−π", "0", "π", r"$+\kappa\pi$"])
-    title = rf"Whatever the start, the contact point races by $\pm\kappa\pi$ = ±{limit:.4f} rad"
+    title = rf"The contact point races by $\pm\kappa\pi$ = ±{limit:.4f} rad"
     dress(ax, "race angle (rad)", "passages", title)
 
 
 @picture(
     Question.HOW_FAR,
-    "How far race angles are from ±κπ against |η̂|, both on logarithmic axes. Each is divided by K of its passage, "
-    "in which A is the speed at impact and M is I₁ + mr². Half of the passages lie below the lower line, nine "
-    "tenths below the upper one. Both fall with |η| and tend to |η| ln(1/|η|), the broken line, slowly: each "
-    "passage is off it by |η| times a number of its own.",
+    "How far race angles are from ±κπ against the distance from F. Half of the passages lie below the lower line, "
+    "nine tenths below the upper one, and both fall about as steeply as the law, the broken line, which each "
+    "passage misses by |η| times a number of its own. All are divided by K = 2mgr/(I₁MA³) of their passage, in "
+    "which A is the speed at impact and M is I₁ + mr².",
 )
 def race_deviation(ax: Axes, races: Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> None:
     """Draw within which distance of +-kappa pi race angles are, over K, with the law |eta| ln(1/|eta|).
@@ -141,11 +141,11 @@ def race_deviation(ax: Axes, races: Mapping[str, Any] | Sequence[Mapping[str, An
     """
     rows = races["law"] if isinstance(races, Mapping) else races
     ax.set(xscale="log", yscale="log")
-    title = r"The closer to $F$, the exacter is $\pm\kappa\pi$"
+    title = r"Ten times closer to $F$, some ten times closer to $\pm\kappa\pi$"
     dress(
         ax,
         r"$|\hat\eta|$ ($\sqrt{g/r}$)",
-        "distance of the race angle from $\\pm\\kappa\\pi$,\nover $K = 2mgr/(I_1MA^3)$ (natural units)",
+        "distance of the race angle\nfrom $\\pm\\kappa\\pi$, over $K$ ($\\sqrt{g/r}$)",
         title,
         grid=True,
     )
@@ -160,6 +160,6 @@ def race_deviation(ax: Axes, races: Mapping[str, Any] | Sequence[Mapping[str, An
             eta_hat, eta * np.max(np.abs(ends), axis=0), color=SERIES[1], marker=marker, label=f"{name} are below"
         )
     ax.plot(
-        eta_hat, eta * np.log(1.0 / eta), color=LAW, lw=1.6, ls="--", label=r"their limit, $|\eta|\,\ln(1/|\eta|)$"
+        eta_hat, eta * np.log(1.0 / eta), color=LAW, lw=1.6, ls="--", label=r"the law, $|\eta|\,\ln(1/|\eta|)$"
     )
-    legend_below(ax, ncols=3)
+    legend_below(ax)

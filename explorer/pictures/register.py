@@ -189,6 +189,7 @@ def save(figure: Figure, path: Path, dpi: int = DPI) -> None:
     metadata: dict[str, Any] = {"Date": None} if kind == ".svg" else {}  # the same picture is the same file
     if caption is not None:
         metadata["Subject" if kind == ".pdf" else "Description"] = "\n".join(caption)
+    figure.draw_without_rendering()  # what room tick labels need is known only then
     figure.savefig(path, dpi=dpi, metadata=metadata)
     if kind == ".png" and not figure.findobj(QuadMesh):  # maps would have steps
         _use_palette(path)

@@ -1,9 +1,13 @@
 """Turns of the contact point in one period, over all constants of motion at one energy."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.contour import ContourSet
 from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse
+from matplotlib.patheffects import withStroke
 
 from explorer.errors import InputError
 from explorer.motion.periods import periods
@@ -11,14 +15,14 @@ from explorer.phase.disk import Disk
 from explorer.phase.lines import line_slope
 from explorer.phase.states import Array, phi_to_states
 from explorer.pictures.register import Question, picture
-from explorer.pictures.style import ACCENT, DARK, OTHER_COLOURS, TEXT, colour_bar, label, legend_below
+from explorer.pictures.style import DARK, SIGNED_COLOURS, SMALL, TEXT, colour_bar, label, legend_below, number
 
 
 @picture(
     Question.WHERE_TO,
-    "By how many turns the contact point advances in one period, over the constants of motion at one energy. The "
-    "colours jump at the lines l₊ and l₋, where the disk comes flat, by twice the race. Thin lines are "
-    "resonances, a whole number of turns, at which the disk may wander off without bound.",
+    "By how many turns the contact point advances in one period, over the constants of motion at one energy: "
+    "green one way, violet the other. The turns jump at the lines l₊ and l₋, where the disk comes flat, by twice "
+    "the race. At thin lines with a number, resonances, they are whole and the disk may wander off without bound.",
     group="rotation",
 )
 def rotation(ax: Axes, disk: Disk, energy: float = 2.0, points: int = 300) -> None:
@@ -28,7 +32,8 @@ def rotation(ax: Axes, disk: Disk, energy: float = 2.0, points: int = 300) -> No
     on an axis.
     """
     x, y, turns = rotation_numbers(disk, energy, points)
-    colours = ax.pcolormesh(x, y, turns, cmap=OTHER_COLOURS, rasterized=True)
+    most = float(np.nanmax(abs(turns)))
+    colours = ax.pcolormesh(x, y, turns, cmap=SIGNED_COLOURS, vmin=-most, vmax=most, rasterized=True)
     # Cells at the edge are whole or missing: cut through those that are whole.
     inner = 2.0 * (1.0 - 1.5 / points) * points / (points - 1)
     colours.set_clip_path(Ellipse((0.0, 0.0), inner * x[-1], inner * y[-1], transform=ax.transData))
@@ -39,15 +44,27 @@ def rotation(ax: Axes, disk: Disk, energy: float = 2.0, points: int = 300) -> No
         there = np.where(part, turns, np.nan)  # no contour runs along a jump
         levels = np.arange(np.ceil(np.nanmin(there)) + 0.0, np.floor(np.nanmax(there)) + 1.0)  # of no -0
         if levels.size:
-            ax.contour(x, y, there, levels, colors=DARK, linewidths=0.9, linestyles="-")
+            _number(ax, ax.contour(x, y, there, levels, colors=DARK, linewidths=0.9, linestyles="-"))
     legend_below(ax, handles=[Line2D([], [], color=DARK, lw=0.9, label="a whole number of turns")])
     for sign, name in ((1, "$l_+$"), (-1, "$l_-$")):
         out = 1.0 / np.hypot(1.0 / x[-1], slope / y[-1])
-        ax.plot([-out, out], [-sign * slope * out, sign * slope * out], color=ACCENT, lw=1.8)
+        ax.plot([-out, out], [-sign * slope * out, sign * slope * out], color=DARK, lw=2.4)
         for edge in (-1.1, 1.1):
             ax.text(edge * out, edge * sign * slope * out, name, fontsize=TEXT, ha="center", va="center")
     ax.set_ylim(-1.2 * y[-1], 1.2 * y[-1])
     label(ax, disk, "sigma3_bar", "sigma4_bar", f"Turns jump where the disk comes flat ($E$ = {energy:g} $mgr$)")
+
+
+def _number(ax: Axes, lines: ContourSet) -> None:
+    """Write beside each contour its value, on the side away from the middle."""
+    for level, path in zip(lines.levels, lines.get_paths(), strict=True):
+        points = np.asarray(path.vertices)
+        if points.size:
+            x, y = points[np.argmax(abs(points[:, 0 if level else 1]))]
+            place: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": SMALL}
+            away = (8.0 * np.sign(level), 0.0) if level else (8.0, -12.0 * np.sign(y))
+            text = ax.annotate(number(level), (x, y), away, textcoords="offset points", **place)
+            text.set_path_effects([withStroke(linewidth=2.5, foreground="#FFFFFFB0")])
 
 
 def rotation_numbers(disk: Disk, energy: float, points: int) -> tuple[Array, Array, Array]:

@@ -26,6 +26,7 @@ from explorer.pictures.style import (
     OTHER_COLOURS,
     PLUS,
     SIDES,
+    SIGNED_COLOURS,
     SMALL,
     TILT_COLOURS,
     colour_bar,
@@ -80,7 +81,7 @@ def slice_of_tilts(ax: Axes, cut: SliceMap) -> None:
         handles[_STEP] = Line2D([], [], ls="", marker="s", ms=11, label=_STEP, **look)
     if handles:
         legend_below(ax, handles=[*handles.values()], handlelength=3.2)
-    label(ax, cut.disk, *cut.slice.axes, f"Where the disk falls: {values_label(cut.slice.fixed, cut.disk)}")
+    label(ax, cut.disk, *cut.slice.axes, f"Where the disk falls:\n{values_label(cut.slice.fixed, cut.disk)}")
 
 
 def _lines_of_f(ax: Axes, cut: SliceMap, face: int) -> Iterator[Line2D]:
@@ -155,13 +156,9 @@ def slice_of_sides(ax: Axes, cut: SliceMap) -> None:
         ax.contour(cut.x, cut.y, smooth, [0.0], colors=DARK, linewidths=0.9, linestyles=":")
         handles.append(Line2D([], [], color=DARK, lw=0.9, ls=":", label="both faces are equally near"))
     if handles:
-        legend_below(ax, handles=handles)
-    label(
-        ax,
-        cut.disk,
-        *cut.slice.axes,
-        f"Strong colours meet on $F$: {values_label(cut.slice.fixed, cut.disk)}",
-    )
+        legend_below(ax, handles=handles, ncols=1)
+    title = f"Strong colours meet on $F$:\n{values_label(cut.slice.fixed, cut.disk)}"
+    label(ax, cut.disk, *cut.slice.axes, title)
 
 
 def signed_tilt(cut: SliceMap) -> Array:
@@ -208,7 +205,7 @@ def observable(ax: Axes, found: SliceMap | Scan, name: str | None = None) -> Non
     say_if_nothing(ax, values, f"{words} is not known of any state")
     with_unit = f"{words} ({unit})" if unit else words
     if isinstance(found, SliceMap):
-        mesh = ax.pcolormesh(found.x, found.y, values, cmap=OTHER_COLOURS, rasterized=True)
+        mesh = ax.pcolormesh(found.x, found.y, values, **_colours_of(values), rasterized=True)
         colour_bar(ax, mesh, with_unit)
         drawn = False
         for face in (1, -1):
@@ -226,6 +223,15 @@ def observable(ax: Axes, found: SliceMap | Scan, name: str | None = None) -> Non
         return None
     first, second = free[:2]
     colour_bar(
-        ax, ax.scatter(columns[first], columns[second], c=values.ravel(), cmap=OTHER_COLOURS, s=6), with_unit
+        ax, ax.scatter(columns[first], columns[second], c=values.ravel(), **_colours_of(values), s=6), with_unit
     )
     return label(ax, disk, first, second, words)
+
+
+def _colours_of(values: Array) -> dict[str, Any]:
+    """Colours of little and much or, where there are both signs, of two ways with zero in the middle."""
+    known = values[np.isfinite(values)]
+    if not (known.size and known.min() < 0.0 < known.max()):
+        return {"cmap": OTHER_COLOURS}
+    most = float(abs(known).max())
+    return {"cmap": SIGNED_COLOURS, "vmin": -most, "vmax": most}

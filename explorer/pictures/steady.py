@@ -27,7 +27,6 @@ from explorer.pictures.style import (
     HALF_PI,
     SERIES,
     SMALL,
-    TEXT,
     UNSTABLE,
     dress,
     label,
@@ -49,7 +48,7 @@ def steady_plane(ax: Axes, disk: Disk) -> None:
     """Draw the plane of constants: l_+-, the fold of steady motions, and where there are wells near F."""
     x, y = fold_curve(disk)
     ax.fill(x, y, color=UNSTABLE, lw=0)
-    width, height = 1.7 * abs(x).max(), 1.7 * abs(y).max()
+    width, height = 2.2 * abs(x).max(), 1.7 * abs(y).max()
     slope, most = line_slope(disk), well(disk).sigma3_bar * disk.rate_unit
     ends, inner = np.array([-3.0, 3.0]) * width, np.array([-most, most])
     for face, names in ((1, (r"$l_+$, $l_-$: falling", "with a well on it")), (-1, (None, None))):
@@ -60,16 +59,16 @@ def steady_plane(ax: Axes, disk: Disk) -> None:
     marks = [spin, -spin, 0.0, 0.0], [0.0, 0.0, roll, -roll]
     ax.plot(*marks, "D", color=DARK, mfc="white", ms=7, label="upright becomes stable")
     line: dict[str, Any] = {"arrowstyle": "-", "color": DARK, "lw": 0.8}
-    for share, away in ((-0.6, 0.6), (-1.35, 0.0)):
+    for share, away in ((-0.6, 0.6), (-1.65, 0.0)):
         at = share * spin, 1e-3 * disk.rate_unit
         count = len(at_constants(disk, *at).equilibria)
         words = f"{count} steady\nmotion{'s' if count > 1 else ''}"
-        to = (-1.3 * spin, away * height) if away else at
-        ax.annotate(words, at, to, ha="center", va="center", fontsize=TEXT, arrowprops=line if away else None)
+        to = (-1.6 * spin, away * height) if away else at
+        ax.annotate(words, at, to, ha="center", va="center", fontsize=SMALL, arrowprops=line if away else None)
     ax.set_xlim(-width, width)
     ax.set_ylim(-height, height)
     legend_below(ax, ncols=2)
-    title = f"Falling lines, and how many steady motions there are: {disk.name}"
+    title = f"Steady motions, and where the disk falls: {disk.name}"
     label(ax, disk, "sigma3_bar", "sigma4_bar", title)
 
 
@@ -100,12 +99,17 @@ def steady_map(ax: Axes, disk: Disk) -> None:
     ax.plot([0.0, 0.0], [spin, precession[-1]], label="upright, stable", **upright)
     ax.plot([0.0, 0.0], [0.0, spin], ls=(0, (1.0, 0.8)), label="upright, unstable", **upright)
     ax.set_xlim(0.0, HALF_PI)
-    ax.set_xticks([0.0, 0.5, 1.0, HALF_PI], ["upright", "0.5", "1", "flat, π/2"])
+    ax.set_xticks([0.0, 0.5, 1.0, HALF_PI], ["0", "0.5", "1", "π/2"])
     ax.set_ylim(0.0, precession[-1])
     patches = [Patch(fc=tint, ec=DARK, label=name) for tint, name in ((BOUNCES, "stable"), (UNSTABLE, "unstable"))]
     legend_below(ax, handles=[*patches, *ax.get_legend_handles_labels()[0]], ncols=3)
     title = f"Circular rolling on circles of radius $R$: {disk.name}"
-    dress(ax, r"lean $|\varphi|$ (rad)", rf"precession $\dot\chi$ ({rates_of(disk)})", title)
+    dress(
+        ax,
+        r"lean $|\varphi|$ (rad); upright at 0, flat at π/2",
+        rf"precession $\dot\chi$ ({rates_of(disk)})",
+        title,
+    )
 
 
 def _label_places(disk: Disk) -> list[tuple[float, float]]:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -22,12 +23,24 @@ SIDES = {1: r"$\eta > 0$", -1: r"$\eta < 0$"}  # said in words too: blue and ver
 SERIES = (DARK, "#009E73", "#CC79A7", "#A08000", "#8A8A8A", "#004D40", "#7A4B91", "#B9B07A")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")
 ACCENT, LAW = SERIES[2], DARK  # what a picture points at; laws and exact results are dark
+# Colour and marker of each method and of each body, the same in all pictures.
+METHODS = {
+    "quadrature": (DARK, "*"),
+    "rk4": (SERIES[1], "o"),
+    "rk8": (SERIES[2], "s"),
+    "dopri5": (SERIES[3], "^"),
+    "dop853": (SERIES[4], "D"),
+}
+_BODIES = {"uniform": (SERIES[5], "o"), "hoop": (SERIES[6], "s"), "matching": (SERIES[3], "D")}
+_OTHER_BODIES = tuple(zip((SERIES[1], SERIES[2], SERIES[4], SERIES[7]), "^vPX", strict=True))
 # Perceptually even and readable in grey; the flattest states are brightest.
 TILT_COLOURS = "cividis_r"
 OTHER_COLOURS = "YlGn"  # of quantities other than the tilt, from little to much
+SIGNED_COLOURS = "PRGn"  # of those with a sign: violet below 0, green above
 
-SIZE = (6.4, 4.8)
-TEXT, SMALL = 12, 10.5
+# At 420 pixels, as the gallery shows them, also indices and exponents, 0.7 of their line, have 8.
+SIZE = (5.6, 4.4)
+TEXT, SMALL = 12, 11
 
 # Tints of parts of a phase space, light enough for lines to stand out, and apart in grey.
 FALLS, BOUNCES, UNSTABLE = "#C9BFD9", "#F8F6EE", "#D9D4C5"
@@ -53,6 +66,12 @@ _SYMBOLS = {
 def axes_or_new(ax: Axes | None) -> Axes:
     """The axes given, or those of a new figure that no window manager knows."""
     return ax if ax is not None else Figure(figsize=SIZE, layout="constrained").subplots()
+
+
+def body_looks(names: Iterable[str]) -> dict[str, tuple[str, str]]:
+    """Colour and marker of each body: its own, or one that is left."""
+    others = cycle(_OTHER_BODIES)
+    return {name: _BODIES.get(name) or next(others) for name in names}
 
 
 def dress(ax: Axes, x: str, y: str, title: str = "", grid: bool = False) -> Axes:

@@ -10,7 +10,7 @@ from explorer.phase.disk import Disk
 from explorer.phase.lines import line_chart
 from explorer.phase.states import Array
 from explorer.pictures.register import Question, picture
-from explorer.pictures.style import TEXT, coordinate_label, dress, legend_of_all, number
+from explorer.pictures.style import SIZE, TEXT, coordinate_label, dress, legend_of_all, number
 
 _FACES = {1: ("#5AAE61", "-"), -1: ("#9970AB", "--")}  # faces, not sides of F
 
@@ -20,7 +20,7 @@ _FACES = {1: ("#5AAE61", "-"), -1: ("#9970AB", "--")}  # faces, not sides of F
     "F in the space of the tilt φ and the rates σ₃ and σ₄, cut at some tilts. In each section the states that "
     "fall on one face, if the disk has speed enough to get there, are a line through the origin, which turns with "
     "the tilt. Lines have no thickness: almost every state lies on one side of them or the other.",
-    (7.2, 5.2),
+    (SIZE[0], 5.0),
     "surface",
 )
 def falling_surface(

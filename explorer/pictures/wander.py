@@ -87,7 +87,7 @@ def walk_of(disk: Disk) -> Walk:
     Question.WHERE_TO,
     "The paths of the contact point and of the centre of the disk over many periods, seen from above. Dots "
     "are the centre after each period; they lie on a circle, unless a resonance carries the disk away.",
-    (7.4, 4.4),
+    (SIZE[0], 4.2),
     "paths",
 )
 def wander_paths(figure: Figure, disk: Disk) -> None:
@@ -102,7 +102,7 @@ def wander_paths(figure: Figure, disk: Disk) -> None:
         x, y = 0.5 * (path.contact.min(axis=0) + path.contact.max(axis=0)) / disk.r
         ax.set(xlim=(x - half, x + half), ylim=(y - half, y + half))
         ax.set_aspect("equal", adjustable="box")
-    legend_of_all(figure, panels[:1], ncols=3)
+    legend_of_all(figure, panels[:1])
 
 
 @picture(

@@ -1,6 +1,5 @@
 """What accuracy costs: the picture of `nearflat trade`."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -8,7 +7,7 @@ from matplotlib.axes import Axes
 
 from explorer.motion.work_precision import ROUNDING, Measured, Row, best_of
 from explorer.pictures.register import Question, picture
-from explorer.pictures.style import DARK, MARKERS, SERIES, SMALL, dress
+from explorer.pictures.style import METHODS, SMALL, dress
 
 _LIMITS = (3e-17, 3e-2)  # of the error; the names of the methods stand in the first decades
 _APART = 1.35  # ratio of the heights of two names
@@ -39,11 +38,10 @@ def work_precision(ax: Axes, measured: Measured) -> None:
         chosen = best_of([row for row in measured.rows if row.method == method])
         if not chosen:
             continue
-        by_quadrature = method == "quadrature"
-        colour = DARK if by_quadrature else SERIES[1 + list(MARKERS).index(_marker(method))]
-        style: dict[str, Any] = {"marker": _marker(method), "ms": 6, "color": colour, "ls": "-", "zorder": 2 + k}
-        if by_quadrature:
-            style |= {"marker": "*", "ms": 13, "lw": 1.0}
+        colour, marker = METHODS[method]
+        style: dict[str, Any] = {"marker": marker, "ms": 6, "color": colour, "ls": "-", "zorder": 2 + k}
+        if method == "quadrature":
+            style |= {"ms": 13, "lw": 1.0}
         ax.plot(*np.array([_place(row) for row in chosen]).T, **style, label=method)
         beyond = f" ≤ {ROUNDING:g}" if chosen[-1].p99 < ROUNDING else ""
         names.append((*_place(chosen[-1]), method + beyond, colour))
@@ -58,12 +56,6 @@ def work_precision(ax: Axes, measured: Measured) -> None:
     ax.legend(handles=key, title="better ↙", loc="upper right", **look)
     x = "error, 99th percentile (rad; times and tilts relative)"
     dress(ax, x, f"time per {measured.unit}, one core (ns)", _TITLES[measured.kind], grid=True)
-
-
-def _marker(method: str) -> str:
-    """Each method has its own marker, also where others are missing."""
-    known: Sequence[str] = ("rk4", "rk8", "dopri5", "dop853")
-    return MARKERS[known.index(method) if method in known else len(known)]
 
 
 def _place(row: Row) -> tuple[float, float]:

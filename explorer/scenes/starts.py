@@ -168,7 +168,11 @@ class FromStates(FromDensity):
         if summary["status"].get("bad_input") and self.states is not None and self.states.known:
             status = self.first_states(_LOOKED_AT).status
             bad = np.flatnonzero(status == compiled.status.Status.BAD_INPUT)[:10]
-            lines.append(f"no states (bad_input), for instance rows {', '.join(map(str, bad))}, counted from 0")
+            # A CSV file has its header in line 1.
+            csv = self.states.path is not None and self.states.columns is not None
+            which = ", ".join(map(str, bad + 2 if csv else bad))
+            where = f"lines {which} of the file" if csv else f"rows {which}, counted from 0"
+            lines.append(f"no states (bad_input), for instance {where}")
         return lines
 
     def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:

@@ -93,8 +93,11 @@ export class Film {
     return flat + ((over - flat) * (share - this.middle)) / (1 - this.middle || 1);
   }
 
-  /** The scene from `left` on: `share` of the motion is over, the camera is `far` or nearer. Returns states. */
-  drawScene(context, left, width, height, share, near, far) {
+  /**
+   * The scene from `left` on: `share` of the motion is over, the camera is `far` and aims `high`, or nearer.
+   * Returns states.
+   */
+  drawScene(context, left, width, height, share, near, far, high) {
     const { scene, falls, flatPose, inner } = this;
     const { camera } = scene, { face } = this.shown;
     const clocks = falls.map((fall) => this.clock(fall, share));
@@ -104,7 +107,7 @@ export class Film {
     scene.context = context;
     scene.table = { x, y, radius: 3.4 };
     Object.assign(camera, { azimuth: this.azimuth, elevation: 0.42 + 0.33 * near, zoom: 1 });
-    camera.aim = { x, y, z: 1.12 - 1.22 * near, radius: far - (far - 1.85) * near };
+    camera.aim = { x, y, z: high - (high + 0.1) * near, radius: far - (far - 1.85) * near };
     camera.frame(width, height);
     context.fillStyle = PAPER;
     context.fillRect(0, 0, left + width, height);
@@ -144,7 +147,7 @@ export class Film {
 
   /** The still, and with share < 1 a moment on the way to it. */
   drawPicture(context, width, height, share = 1) {
-    const states = this.drawScene(context, 0.34 * width, 0.66 * width, height, share, 0.1, 2.1);
+    const states = this.drawScene(context, 0.34 * width, 0.66 * width, height, share, 0.1, 2.1, 1.12);
     const write = writer(context, height / 900), [start, end] = wordsOf(this.shown.eta_hat);
     write("It almost", 70, 250, 64, INK, 700);
     write("never falls flat.", 70, 326, 64, INK, 700);
@@ -161,7 +164,7 @@ export class Film {
         x += write(words, x, 440 + 52 * line, 31, plain ? SOFT : css(this.sides[n]), plain ? 400 : 700);
       }
     });
-    write(this.about, 72, 840, 30, SOFT);
+    write(this.about, 72, 840, 31, SOFT);
   }
 
   /** A frame of the film at a share of its seconds. */
@@ -169,19 +172,20 @@ export class Film {
     const moved = Math.min(1, share / AFTER);
     const away = this.middle < 1 ? smooth(moved, 1 - 0.55 * (1 - this.middle), 1) : 0;
     const near = smooth(moved, 0.5 * this.middle, 0.85 * this.middle) * (1 - away);
-    const states = this.drawScene(context, 0, width, height, moved, near, 2.75);
+    const states = this.drawScene(context, 0, width, height, moved, near, 3.1, 1.3);
     const write = writer(context, height / 1080), [start, last] = wordsOf(this.shown.eta_hat);
     const title = 1 - smooth(share, TITLE - 0.05, TITLE), end = smooth(share, AFTER - 0.05, AFTER);
     const slowed = `slowed ${Math.round(slowing(states[0]))} times`;
     write("It almost never falls flat.", 960, 130, 76, INK, 700, "center", title);
     write(start, 960, 200, 40, SOFT, 400, "center", title);
     write(last, 960, 130, 76, INK, 700, "center", end);
-    write("nearflat", 1860, 1030, 36, SOFT, 400, "right");
-    if (slowing(states[0]) > 1.5) write(slowed, 960, 130, 56, INK, 600, "center", (1 - title) * (1 - end));
+    write("nearflat", 1860, 1030, 38, SOFT, 400, "right");
+    // In a corner: what is seen in the middle comes near the upper edge.
+    if (slowing(states[0]) > 1.5) write(slowed, 60, 110, 52, INK, 600, "left", (1 - title) * (1 - end));
     this.racesAt(states).forEach((race, n) => {
       if (!race) return;
       const turns = race.turned / (2 * Math.PI), words = `${turns < 0 ? "−" : "+"}${Math.abs(turns).toFixed(2)}`;
-      write("turns of the contact point", 960, 1020, 38, SOFT, 400, "center", 1 - title);
+      write("turns of the contact point", 960, 1030, 38, SOFT, 400, "center", 1 - title);
       write(words, n ? 1280 : 640, 1030, 76, css(this.sides[n]), 700, n ? "left" : "right", 1 - title);
     });
   }

@@ -3,6 +3,7 @@
 import base64
 import io
 import tempfile
+from itertools import cycle, islice
 from pathlib import Path
 
 from PIL import Image
@@ -18,10 +19,11 @@ OPPOSITE = Disk(I1=1.0 / 5.25, I3=2.0 / 5.25, name="kappa = 2.5")
 _ETA_HAT = 0.004  # natural units: the disk looks flat, and its race still takes time
 _STILL = (1920, 1080)  # pixels, for print
 _MOVING, _SMALL = (1200, 675), (800, 450)  # of the hero for pages, and of the film as GIF
-_FRAMES, _GIF_FRAMES, _MS = 60, 90, 67  # 15 a second: of the hero four seconds, of the film all six
+_FRAMES, _GIF_FRAMES = 60, 90  # 15 a second: of the hero four seconds, of the film all six
+_MS = (70, 70, 60)  # of one frame after another, since a GIF counts hundredths of a second
 _REST_MS = 2500  # for which the hero shows all of it before it begins anew
-_COLOURS = 128  # of the GIF
-_STILL_COLOURS = 256  # all that a palette holds: a third of the file
+_COLOURS = 256  # all that a palette holds
+_SHARED = 3  # frames of the GIF with one palette: one for all has colours far off, one for each twice the size
 _PATIENCE = 900.0  # s: the film is 180 frames of 1080 lines, encoded without a graphics card
 _DESCRIPTION = 0x010E  # of EXIF, where WebP carries its caption
 
@@ -62,11 +64,11 @@ def _hero(browser: Browser, folder: Path) -> Path:
     caption = "\n".join(CAPTIONS["hero"])
     about = PngInfo()
     about.add_itxt("Description", caption)
-    _picture(browser, _STILL).quantize(_STILL_COLOURS).save(still, pnginfo=about, optimize=True)
+    _picture(browser, _STILL).quantize(_COLOURS).save(still, pnginfo=about, optimize=True)
     frames = [_picture(browser, _MOVING, n / (_FRAMES - 1)) for n in range(_FRAMES)]
     exif = Image.Exif()
     exif[_DESCRIPTION] = caption.encode()
-    durations = [_MS] * (_FRAMES - 1) + [_REST_MS]
+    durations = [*islice(cycle(_MS), _FRAMES - 1), _REST_MS]
     frames[0].save(
         moving,
         save_all=True,
@@ -83,14 +85,10 @@ def _hero(browser: Browser, folder: Path) -> Path:
 def _film(browser: Browser, folder: Path) -> Path:
     small, large = folder / "film.gif", folder / "film.webm"
     frames = [_picture(browser, _SMALL, n / (_GIF_FRAMES - 1), film=True) for n in range(_GIF_FRAMES)]
-    # One palette for all, from some of them side by side: colours must not flicker.
-    several = Image.new("RGB", (5 * _SMALL[0], _SMALL[1]))
-    for n in range(5):
-        several.paste(frames[n * (_GIF_FRAMES - 1) // 4], (n * _SMALL[0], 0))
-    palette = several.quantize(_COLOURS)
-    drawn = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    drawn = [each for begin in range(0, _GIF_FRAMES, _SHARED) for each in _alike(frames[begin : begin + _SHARED])]
     comment = "\n".join(CAPTIONS["film"]).encode()
-    drawn[0].save(small, save_all=True, append_images=drawn[1:], duration=_MS, loop=0, comment=comment)
+    durations = [*islice(cycle(_MS), _GIF_FRAMES)]
+    drawn[0].save(small, save_all=True, append_images=drawn[1:], duration=durations, loop=0, comment=comment)
     code = """modules.saving.film(nearflat.store).then(film => new Promise(done => {
         const reader = new FileReader();
         reader.onload = () => done(reader.result);
@@ -98,6 +96,15 @@ def _film(browser: Browser, folder: Path) -> Path:
     }))"""
     large.write_bytes(_bytes(browser.evaluate(code)))
     return small
+
+
+def _alike(frames: list[Image.Image]) -> list[Image.Image]:
+    """Frames with one palette, which is made of them side by side."""
+    several = Image.new("RGB", (len(frames) * _SMALL[0], _SMALL[1]))
+    for n, frame in enumerate(frames):
+        several.paste(frame, (n * _SMALL[0], 0))
+    palette = several.quantize(_COLOURS)
+    return [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
 
 
 def _picture(browser: Browser, size: tuple[int, int], share: float = 1.0, film: bool = False) -> Image.Image:

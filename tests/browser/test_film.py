@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 from browser.test_page import click
-from PIL import Image
+from PIL import Image, ImageSequence
 
 import explorer as ex
 from explorer.commands.gallery import caption_in
@@ -140,3 +140,5 @@ def test_what_is_committed_moves_and_carries_its_caption(name):
     assert path.stat().st_size < 3e6
     with Image.open(path) as picture:
         assert getattr(picture, "n_frames", 1) > 40 or name == "hero.png"
+        if name == "film.gif":
+            assert sum(frame.info["duration"] for frame in ImageSequence.Iterator(picture)) == 6000  # milliseconds

@@ -158,7 +158,9 @@ def test_the_beginning_of_a_name_is_taken_for_it():
     assert suggest("fase", known).startswith("did you mean 'face'?")
 
 
-@pytest.mark.parametrize(("text", "count"), [("10k", 10_000), ("2.5M", 2_500_000), (" 3k ", 3000), ("1e3", 1000)])
+@pytest.mark.parametrize(
+    ("text", "count"), [("10k", 10_000), ("10K", 10_000), ("2.5M", 2_500_000), (" 3k ", 3000), ("1e3", 1000)]
+)
 def test_thousands_and_millions_may_be_written_short(text, count):
     assert whole("samples", text) == count
 

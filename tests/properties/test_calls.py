@@ -14,7 +14,7 @@ CALLS = {
     "phi_to_states": "disk phi phidot sigma3 sigma4",
     "theta_to_states": "disk theta thetadot sigma3 sigma4 face?",
     "constants_to_states": "disk sigma3_bar eta_hat phidot face?",
-    "rates_to_states": "disk tilt tilt_rate precession spin face? degrees?",
+    "rates_to_states": "disk tilt tilt_rate? precession? spin? face? degrees?",
     "coordinates_to_states": "disk phi phidot sigma3_bar sigma4_bar",
     "constants": "states",
     "falls": "states",

@@ -24,7 +24,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from explorer.pictures.register import Caption, Question, add_caption, save
-from explorer.pictures.style import DARK, MARKERS, SERIES, dress, legend_below
+from explorer.pictures.style import DARK, SERIES, SIZE, dress, legend_below
+from explorer.pictures.style import METHODS as LOOKS
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from processor import processor
@@ -112,7 +113,7 @@ OF_SIZES = Caption(
 
 def draw(rows):
     """Time, for both kinds of work and one and two jobs; memory is in the table."""
-    figure = Figure(figsize=(6.4, 4.8), layout="constrained")
+    figure = Figure(figsize=SIZE, layout="constrained")
     ax = figure.subplots()
     works = {"states": ("states, drawn and judged", SERIES[1]), "passages": ("passages, all stored", DARK)}
     for name, (_told, colour) in works.items():
@@ -146,16 +147,16 @@ OF_DISTANCES = Caption(
 
 def draw_cost(rows: list[tuple[int, list[float | None]]]) -> Figure:
     """Microseconds per passage against the exponent of 1/|eta_hat|; rows as of `against_eta`."""
-    figure = Figure(figsize=(6.4, 4.8), layout="constrained")
+    figure = Figure(figsize=SIZE, layout="constrained")
     ax = figure.subplots()
     for place, method in enumerate(METHODS):
+        colour, marker = LOOKS[method]
         known = [(exponent, row[place]) for exponent, row in rows if row[place] is not None]
         exponents, times = zip(*known, strict=True)
-        star = method == "quadrature"
-        look = {"marker": "*", "ms": 12} if star else {"marker": MARKERS[place - 1], "ms": 6}
-        ax.loglog(exponents, times, color=SERIES[place], label=method, **look)
+        size = 12 if method == "quadrature" else 6
+        ax.loglog(exponents, times, color=colour, label=method, marker=marker, ms=size)
         if len(known) < len(rows):
-            ax.plot(exponents[-1], times[-1], "x", color=SERIES[place], ms=15, mew=2.0)
+            ax.plot(exponents[-1], times[-1], "x", color=colour, ms=15, mew=2.0)
     if any(None in row for _, row in rows):
         ax.plot([], [], "x", color=DARK, ms=9, mew=2.0, label="beyond, the side is not known")
     shown = (1, 3, 6, 12, 30, 100, 300)
@@ -163,7 +164,7 @@ def draw_cost(rows: list[tuple[int, list[float | None]]]) -> Figure:
     ax.xaxis.set_minor_locator(NullLocator())
     ax.set_ylim(bottom=0.3)
     legend_below(ax, ncols=3)
-    x = r"$|\hat\eta|$ ($\sqrt{g/r}$) towards $F$; its decades are on a logarithmic axis"
+    x = r"$|\hat\eta|$ ($\sqrt{g/r}$) towards $F$, decades on a logarithmic axis"
     title = "Quadrature costs the same at any distance from $F$"
     dress(ax, x, "time per passage (µs), one core", title, grid=True)
     add_caption(figure, OF_DISTANCES)

@@ -153,7 +153,7 @@ ENOUGH = 90 if REPETITIONS == 100 else 0.9 * REPETITIONS - 1
 
 @pytest.mark.parametrize("name", CASES if REPETITIONS >= 100 else ["coin in degrees"])
 def test_the_interval_of_rare_tilts_holds_as_often_as_said(name):
-    truth = asked(name, 1e-8, samples=400_000, rng=10_000)
+    truth = asked(name, 1e-8, samples=1_900_000, rng=10_000)
     inside = 0
     for seed in range(REPETITIONS):
         low, high = asked(name, 1e-8, samples=4000, rng=seed).interval
@@ -189,6 +189,16 @@ def test_an_event_of_bounces_counts_a_state_once():
     assert never.estimate == 0
     assert never.interval[0] == 0
     assert never.interval[1] == pytest.approx(1 - 0.05 ** (1 / 2000))
+    assert "no hit: with a confidence of 95 % it is at most 0.001497" in repr(never)
+    assert "more samples" in never.note
+
+
+@pytest.mark.parametrize("samples", [10, 1000])
+def test_a_rare_tilt_is_found_however_few_samples_are_asked_for(samples):
+    few = ex.probability(UNIFORM, ("theta_min", 1e-3), samples=samples, **NEARLY_FLAT)
+    many = ex.probability(UNIFORM, ("theta_min", 1e-3), samples=300_000, rng=1, **NEARLY_FLAT)
+    assert few.method == "importance"
+    assert abs(few.estimate - many.estimate) < 4 * math.hypot(error(few), error(many))
 
 
 def test_where_nothing_moves_eta_the_share_is_counted_and_it_says_so():

@@ -147,6 +147,29 @@ def test_a_cloud_about_steady_motion_is_known_to_any_accuracy(accuracy):
     np.testing.assert_allclose(np.diff(bounces.time)[:, 0], best.period, rtol=accuracy)
 
 
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-6, 1e-8])
+def test_a_narrow_well_beside_the_vertical_is_known_to_any_accuracy(accuracy):
+    """From rest beside the upright crest of V, so that its wobble is narrow and yet far from harmonic."""
+    random, n = np.random.default_rng(0), 20_000
+    states = ex.rates_to_states(
+        DISKS["coin"],
+        random.uniform(80.0, 100.0, n),
+        0.0,
+        random.normal(0.0, 900.0, n),
+        random.uniform(-900.0, 900.0, n),
+        degrees=True,
+    )
+    bounces = ex.bounces(states, 1, accuracy)
+    assert bounces.ok.all()
+    best, stepped = ex.bounces(states, 1, 1e-10), ex.bounces(states[:500], 1, 1e-8, method="dop853")
+    both = best.ok[:500] & stepped.ok
+    assert both.sum() > 490
+    np.testing.assert_allclose(stepped.delta_chi[both], best.delta_chi[:500][both], atol=1e-7)
+    off, told = abs(bounces.delta_chi - best.delta_chi), bounces.error_estimate + best.error_estimate
+    assert off[best.ok].max() <= accuracy
+    assert (off <= 3.0 * told)[best.ok].all()
+
+
 def test_a_disk_that_spins_upright_comes_down_on_both_faces_in_turn():
     """It wobbles about the vertical: half a period on either face, while the wobble can be told from none."""
     disk = DISKS["hoop"]

@@ -74,6 +74,25 @@ def test_periods_on_f_fall_and_beside_it_need_the_eta_they_were_given():
     assert ex.periods(rows).status[0] in (ex.Status.FALLS, ex.Status.UNRESOLVED_SIDE)
 
 
+@pytest.mark.parametrize("eta_hat", [1000.0, -0.3])
+@pytest.mark.parametrize("phi", [0.0, 0.7, -1.4])
+def test_another_eta_hat_than_the_state_has_is_another_motion(phi, eta_hat):
+    """The one with the tilt, phidot and sigma3_bar of the state and with that eta_hat."""
+    disk, face = BODIES["uniform"], 1.0 if phi >= 0.0 else -1.0
+    state = phi_to_states(disk, phi, 0.0, 1.0, 0.2)
+    got = ex.periods(state, 1e-9, eta_hat=eta_hat)
+    # sigma3_bar and eta_hat are linear in both rates.
+    own, a, b = (
+        ex.constants(phi_to_states(disk, phi, 0.0, *rates)) for rates in ((1.0, 0.2), (1.0, 0.0), (0.0, 1.0))
+    )
+    chart = [[of.sigma3_bar[0], (of.eta_hat_plus if face > 0.0 else of.eta_hat_minus)[0]] for of in (a, b)]
+    rates = np.linalg.solve(np.transpose(chart), [own.sigma3_bar[0], eta_hat])
+    expected = ex.periods(phi_to_states(disk, phi, 0.0, *rates), 1e-9)
+    assert got.ok.all()
+    np.testing.assert_allclose(got.period, expected.period, rtol=1e-9)
+    np.testing.assert_allclose(got.chi, expected.chi, atol=1e-9)
+
+
 def test_any_number_of_threads_gives_the_same_periods():
     states = phi_to_states(BODIES["hoop"], np.linspace(-1.7, 1.2, 41), 0.3, 0.4, 0.2)
     one, three = (ex.periods(states, jobs=jobs) for jobs in (1, 3))

@@ -175,7 +175,10 @@ def test_only_what_was_asked_for_is_returned_and_time_zero_is_the_start():
         ({"t_eval": [np.nan]}, "finite"),
         ({"t_end": 1.0, "observables": ("ph",)}, "did you mean 'phi'"),
         ({"t_end": 1.0, "observables": ("phi", "race_angle")}, "observable 'race_angle' is not known"),
-        ({"t_end": 1.0, "observables": ("theta_min",), "method": "dop853"}, "known: phidot, sigma3, sigma4, phi"),
+        (
+            {"t_end": 1.0, "observables": ("theta_min",), "method": "dop853"},
+            "known: tilt, phidot, sigma3, sigma4, phi",
+        ),
         ({"t_end": 1.0, "observables": ()}, "give some of"),
         ({"t_end": 1.0, "method": "rk6"}, "did you mean 'rk"),
         ({"t_end": 1.0, "accuracy": 1e-20}, "accuracy"),
@@ -379,3 +382,12 @@ def test_a_disk_at_rest_upright_stays_there_for_any_time():
     found = ex.simulate(ex.phi_to_states(BODIES["uniform"], 0.0, 0.0, 0.0, 0.0), t_eval=[100.0])
     assert found.status[0] == ex.Status.OK
     assert found.phi[0, 0] == 0.0
+
+
+def test_a_small_tilt_has_all_its_digits():
+    """As an experimenter has it, from flat; phi, from the vertical, has none of them left."""
+    states = ex.theta_to_states(ex.Disk.uniform(), 1e-20, 0.0, 1e-20, 0.3)
+    motion = ex.simulate(states, t_eval=[0.0, 1e-15], observables=("tilt", "phi"))
+    assert motion.tilt[0, 0] == 1e-20
+    given = ex.rates_to_states(ex.Disk.uniform(), [0.4, 2.5], 0.1, 1.0, 0.2)
+    np.testing.assert_allclose(ex.simulate(given, t_eval=[0.0], observables=("tilt",)).tilt[:, 0], [0.4, 2.5])

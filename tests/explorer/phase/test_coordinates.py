@@ -117,7 +117,12 @@ def test_tilts_in_degrees_that_are_said_to_be_are_silent():
         0,
         0,
     ]
-    assert ex.rates_to_states(ex.Disk.uniform(), [0.5, 2.0, np.nan], 0.0, 1.0, 1.0).status.tolist() == [0, 0, 2]
+    assert ex.rates_to_states(ex.Disk.uniform(), [0.5, 2.0]).status.tolist() == [0, 0]
+
+
+def test_a_tilt_that_is_no_number_is_warned_of():
+    with pytest.warns(ex.StateWarning, match="1 of 3 lie outside 0 to pi, nan rad"):
+        assert ex.rates_to_states(ex.Disk.uniform(), [0.5, 2.0, np.nan]).status.tolist() == [0, 0, 2]
 
 
 def test_warnings_of_tilts_point_at_the_line_of_the_user():

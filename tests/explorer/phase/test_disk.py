@@ -70,10 +70,11 @@ def test_text_forms_of_a_disk(tmp_path):
     [
         ("unifrom", "not known"),
         ("annulus:2", "between 0 and 1"),
-        ("annulus:x", "not a number"),
+        ("annulus:x", "as in annulus:0.5"),
+        ("annulus", "as in annulus:0.5"),
         ("m=1,r=1", "I1 and I3 missing"),
         ("Hoop", "did you mean 'hoop'"),
-        ("uniform:m=20s", "m = 20s is not a number"),
+        ("uniform:m=20s", "m = 20s is not a number; give one, also in kg, g"),
         ("m=1,q=2,I1=1,I3=1", "quantity 'q' is not known"),
         ("m=one,I1=1,I3=1", "not a number"),
         ("nowhere.toml", "cannot be read"),

@@ -13,7 +13,7 @@ BOUNCES = ex.bounces(ex.phi_to_states(ex.Disk.hoop(), [0.3, np.nan, -0.4], 0.5, 
 def test_a_result_is_a_table_with_one_row_for_each_sample():
     frame = BOUNCES.to_pandas()
     assert list(frame.columns) == list(BOUNCES.columns)
-    assert len(frame) == len(BOUNCES) == 6
+    assert len(frame) == BOUNCES.size == 6
     assert frame["status"].tolist() == ["ok", "ok", "bad_input", "bad_input", "ok", "ok"]
     np.testing.assert_array_equal(frame["delta_chi"], BOUNCES.delta_chi.ravel())
 
@@ -38,6 +38,7 @@ def test_a_description_is_a_few_lines_however_many_samples_there_are():
     assert repr(many).startswith("Bounces of 500 (500 x 1)\n  status: ok")
     assert "<table>" in many._repr_html_()
     assert "bad_input 2 (numbers below: of the 4 ok)" in repr(BOUNCES)
+    assert f"bad_input: {ex.Status.BAD_INPUT.remedy}" in repr(BOUNCES)
 
 
 def test_every_column_of_a_result_is_described():
@@ -73,10 +74,11 @@ def test_samples_are_chosen_as_entries_of_an_array_are():
         found = BOUNCES[rows]
         np.testing.assert_array_equal(found.time, np.atleast_1d(BOUNCES.time[rows]))
         assert found.shape == found.states.shape
-        assert len(found.to_arrow()) == len(found)
+        assert len(found.to_arrow()) == found.size
     passages = ex.passages(ex.Disk.hoop(), [[1.0], [2.0]], [1e-3, -1e-3, 1e-6], 1.0)
     assert passages[1].delta_chi.tolist() == passages.delta_chi[1].tolist()
     assert passages[passages.side < 0].shape == (2,)
+    assert len(passages) == len(list(passages)) == 2
 
 
 def test_a_description_has_a_median_for_each_side_and_units_of_the_disk():

@@ -19,6 +19,7 @@ UNIFORM = BODIES["uniform"]
 WITHOUT_AXES = {"definitions"}  # drawn in space, beside their plots
 # A hyphen before a digit is no minus sign; between dollars matplotlib makes one of it.
 HYPHEN = re.compile(r"(?<![\w$])-\s?\d")
+SCRIPT = re.compile(r"\$[^$]*[_^]")
 DIRECTED = set("<>^v")
 NO_POINT = ("None", None, "", "_", "|")  # nothing, or the end of an interval
 
@@ -125,9 +126,11 @@ def test_each_picture_can_be_read_and_its_colours_have_one_meaning(name, drawn):
     figure, sides = drawn(name), {to_hex(colour) for colour in SIGN_COLOURS.values()}
     texts = [re.sub(r"\$[^$]*\$", "", text.get_text()) for text in figure.findobj(Text)]
     assert not [text for text in texts if HYPHEN.search(text) or "κ" in text]
-    # As the gallery shows it, 420 px wide
+    # As the gallery shows it, 420 px wide; indices and exponents are 0.7 of their line
     letters = [
-        each.get_fontsize() for each in figure.findobj(Text) if each.get_visible() and each.get_text().strip()
+        each.get_fontsize() * (0.7 if SCRIPT.search(each.get_text()) else 1.0)
+        for each in figure.findobj(Text)
+        if each.get_visible() and each.get_text().strip()
     ]
     assert min(letters) / 72.0 * 420.0 / figure.get_figwidth() >= 8.0
     for legend in figure.findobj(Legend):

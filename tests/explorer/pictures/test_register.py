@@ -60,7 +60,7 @@ def test_a_picture_of_several_axes_is_drawn_on_a_part_of_a_figure():
     above, below = figure.subfigures(2, 1)
     assert ex.picture("limit-paths", DISK, ax=above, eta_hat=(0.1,)) is figure
     ex.picture("steady-map", DISK, ax=below)
-    assert len(above.axes) == 4
+    assert len(above.axes) == 2
     assert len(below.axes) == 1
 
 

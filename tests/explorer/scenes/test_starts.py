@@ -134,6 +134,13 @@ def test_what_does_not_go_together_is_refused(kind, options, message):
         kind(**options)
 
 
+def test_rows_of_a_csv_file_that_are_no_states_are_lines_as_an_editor_counts_them(tmp_path):
+    path = tmp_path / "states.csv"
+    path.write_text("phi,phidot,sigma3,sigma4\n0,1,1,1\n0,1,1,\n0,1,2,3\n")
+    run = ex.run("falling-set", states=path)
+    assert "for instance lines 3 of the file" in run.scene.headline(run.summary)[-1]
+
+
 @BOTH
 def test_a_row_that_is_no_state_is_in_no_statistic_and_counted_apart(kind):
     """Numbers are those of the same table without the row."""
