@@ -25,7 +25,7 @@ class Keywords(TypedDict, total=False):
     chunk_size: int | float | str
     box: str | Box | Mapping[str, tuple[float, float]]
     energy: str | tuple[float | None, float | None] | float | tuple[float, float]
-    gaussian: str | Box | Mapping[str, tuple[float, float]]
+    gaussian: str | Mapping[str, tuple[float, float]]
     density: Callable[..., Array]
     degrees: bool
     states: Path | str | States | Any
@@ -39,6 +39,7 @@ class Keywords(TypedDict, total=False):
     sigma3_bar: float | str
     sigma4_bar: float | str
     well: bool
+    start: Literal['near', 'anywhere']
     bounces: int | float | str
     out: Path | str
     exist: Literal['resume', 'replace', 'error']

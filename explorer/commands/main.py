@@ -78,11 +78,21 @@ COMMANDS = {
 }
 
 
+class Once(argparse.Action):
+    """An argument that takes one value: a second one is refused."""
+
+    def __call__(self, parser: argparse.ArgumentParser, found: Any, value: Any, flag: str | None = None) -> None:
+        if getattr(found, self.dest, self.default) is not self.default:
+            raise InputError(f"{self.dest}: is given twice; leave one out")
+        setattr(found, self.dest, value)
+
+
 class Parser(argparse.ArgumentParser):
     """Errors without the whole usage; words such as -1e-3 and -1:2 are values, not flags."""
 
     def __init__(self, prog: str, **options: Any) -> None:
         super().__init__(prog, allow_abbrev=False, conflict_handler="resolve", **options)
+        self.register("action", None, Once)  # of every argument that says no other
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:

@@ -1,11 +1,11 @@
 """`nearflat plan`: how a run would be computed, why, and what it will cost."""
 
 import argparse
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 from explorer.commands import Answer
-from explorer.commands.run import add_question, given_by
+from explorer.commands.run import add_arguments as add_arguments
+from explorer.commands.run import given_by
 from explorer.runs.amounts import duration, size
 from explorer.runs.estimate import Estimate, estimate
 from explorer.runs.settings import Asked, asked
@@ -69,11 +69,6 @@ def planned(made: Asked) -> RunPlan:
         own = "that of the scene, which names no observables"
         how = own, scene.method, own, "as measured"
     return RunPlan(scene.name, list(scene.observables), scene.accuracy, *how, estimate(made))
-
-
-def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """Add the options of `nearflat plan`, which are those of `run`."""
-    add_question(command, words)
 
 
 def call(options: argparse.Namespace) -> Answer:

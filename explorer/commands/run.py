@@ -27,14 +27,17 @@ def add_scene(command: argparse.ArgumentParser, words: Sequence[str], text: str 
     for word in words:
         if word.endswith(".py"):
             raise InputError(f"scene {word}: name its class too, as in {word}:Scene")
-    named = next((word for word in words if word in NAMES or word.endswith(".toml") or ".py:" in word), None)
-    if named is None:
+    # The options of a scene may stand before its name; a name that is not known stands first, or is not found.
+    known = [word for word in words if word in NAMES or word.endswith(".toml") or ".py:" in word]
+    first = [word for word in words[:1] if word and not word.startswith("-")]
+    if not (known or first):
         return Scene
+    named = [*known, *first][0]
     return scene_class(read_scene_file(Path(named))["scene"] if named.endswith(".toml") else named)
 
 
-def add_question(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """Add the scene with its options, and those of its run."""
+def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
+    """Add the scene with its options, and those of its run; also of `nearflat plan`."""
     kind = add_scene(command, words)
     command.description = f"{command.description} {first_line(kind)}"
     if kind is not Scene:
@@ -69,11 +72,6 @@ def shown(run: "Run") -> Answer:
     if run.folder is not None:
         lines += [f"All of it is in {run.folder}."]
     return Answer(run.summary, "\n".join(lines))
-
-
-def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """Add the options of the scene that is named, and of its run."""
-    add_question(command, words)
 
 
 def call(options: argparse.Namespace) -> Answer:

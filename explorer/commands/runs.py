@@ -43,9 +43,13 @@ def _status(options: argparse.Namespace) -> Answer:
 
 
 def _verify(options: argparse.Namespace) -> Answer:
-    faults = open(options.folder).verify()
-    mend = [f"mend what is wrong with: nearflat resume {options.folder}"] if faults else ["intact"]
-    return Answer({"intact": not faults, "faults": faults}, "\n".join(faults + mend), int(bool(faults)))
+    run = open(options.folder)
+    faults, lines = run.verify(), ["intact"]
+    if faults:  # what was changed says itself what can be done
+        lines = (
+            faults if run.changed() else [*faults, f"mend what is wrong with: nearflat resume {options.folder}"]
+        )
+    return Answer({"intact": not faults, "faults": faults}, "\n".join(lines), int(bool(faults)))
 
 
 def _resume(options: argparse.Namespace) -> Answer:

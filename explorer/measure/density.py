@@ -17,7 +17,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, shown
-from explorer.measure.sampling import BLOCK, Box, Range, Ranges, Stream, box_of, gather, parse_ranges
+from explorer.measure.sampling import (
+    BLOCK,
+    Box,
+    Range,
+    Ranges,
+    Stream,
+    box_of,
+    gather,
+    read_gaussians,
+    read_ranges,
+)
 from explorer.phase.arguments import read_range, returned_numbers
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array
@@ -95,7 +105,7 @@ class Density:
 
         Raises InputError.
         """
-        found = box if isinstance(box, Ranges) else box_of(disk, parse_ranges(box or {}, "box"))
+        found = box if isinstance(box, Ranges) else box_of(disk, read_ranges("box", box or {}))
         if not isinstance(found, Box):
             raise InputError(
                 f"box: give {', '.join(COORDINATES)}, in which the measure is invariant; probability takes "
@@ -110,7 +120,7 @@ class Density:
                 "falling set are too steep for this; give a disk with larger ones"
             )
         bounds = ANY_ENERGY if energy is None else read_range("energy", energy, unbounded=True)
-        return cls(found, bounds, tuple(parse_ranges(gaussian or {}, "gaussian").items()), density)
+        return cls(found, bounds, tuple(read_gaussians("gaussian", gaussian or {}).items()), density)
 
     def seen_from(self, disk: Disk, face: int) -> "Density":
         """The same in natural units, as a face sees it.

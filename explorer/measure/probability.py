@@ -261,7 +261,7 @@ def _counted(
         total += good.size, good.sum(), hit.sum(), unknown.sum()
     if total[1] < 0.001 * total[0]:
         raise RunError(
-            f"probability: {total[1]:,} of {total[0]:,} draws are states; give tilts between 0 and pi, and "
+            f"only {total[1]:,} of {total[0]:,} draws are states; give tilts between 0 and pi, and "
             "degrees=True where they are in degrees"
         )
     return _Counted(*total.tolist())

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.measure.statistics import histograms
-from explorer.measure.tallies import PER_DECADE, LogHistogram, LogRow
+from explorer.measure.tallies import PER_DECADE, LogHistogram, LogRow, histograms
 from explorer.phase.disk import Disk, require_disk
 from explorer.phase.states import Array, columns_of
 

@@ -130,10 +130,22 @@ def in_radians(given: Mapping[str, Range], degrees: bool) -> dict[str, Range]:
     return {name: (low * units[name], high * units[name]) for name, (low, high) in given.items()}
 
 
-def parse_ranges(given: Any, option: str) -> dict[str, Range]:
-    """{"phi": (0, 0), ...} from "phi=0,phidot=-2:2" or a mapping. Raises InputError naming the option."""
+def read_ranges(option: str, given: Any) -> dict[str, Range]:
+    """{"phi": (0, 0), ...} from "phi=0,phidot=-2:2", a mapping or `Ranges`. Raises InputError."""
+    return _by_coordinate(option, given, (1, 2), "a number or a range LOW:HIGH", "phi=0,phidot=-2:2")
+
+
+def read_gaussians(option: str, given: Any) -> dict[str, Range]:
+    """{"phidot": (0.5, 0.3), ...} from "phidot=0.5:0.3" or a mapping. Raises InputError naming the option."""
+    return _by_coordinate(option, given, (2,), "MEAN:DEVIATION", "phidot=0.5:0.3")
+
+
+def _by_coordinate(option: str, given: Any, counts: tuple[int, ...], form: str, example: str) -> dict[str, Range]:
+    """Two numbers for each coordinate, or, where one may be given, it twice."""
+    if isinstance(given, Ranges):
+        given = given.describe()
     if not isinstance(given, str | Mapping):
-        raise InputError(f'{option} {shown(given)} is no text; write "phi=0,phidot=-2:2"')
+        raise InputError(f'{option} {shown(given)} is no text; write "{example}"')
     items = given.items() if isinstance(given, Mapping) else (part.split("=", 1) for part in given.split(","))
     ranges: dict[str, Range] = {}
     for name, *values in items:
@@ -142,8 +154,8 @@ def parse_ranges(given: Any, option: str) -> dict[str, Range]:
             value.split(":") if isinstance(value, str) else value if isinstance(value, list | tuple) else [value]
         )
         ends = [end for part in parts if (end := double_of(part)) is not None]
-        if len(ends) != len(parts) or len(ends) not in (1, 2):
-            raise InputError(f"{option} {name} = {shown(value)} is not a number or a range LOW:HIGH")
+        if len(ends) != len(parts) or len(ends) not in counts:
+            raise InputError(f'{option} {name} = {shown(value)} is not {form}; write it as in "{example}"')
         if name in ranges:
             raise InputError(f"{option}: {name} is there twice; write each coordinate once")
         ranges[name] = ends[0], ends[-1]

@@ -11,7 +11,7 @@ import scipy  # loads scipy.stats where it is used
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, flag, shown, whole
-from explorer.measure.sampling import ChartBox, Range, in_radians, parse_ranges
+from explorer.measure.sampling import ChartBox, Range, in_radians, read_ranges
 from explorer.motion.plan import plan
 from explorer.motion.scan import Observable, Scan, scan
 from explorer.motion.turning_points import smallest_tilt
@@ -36,7 +36,7 @@ class Slice(ChartBox):
         """
         if isinstance(given, Slice):
             return given
-        found = cls.of(option, in_radians(parse_ranges(given, option), degrees))
+        found = cls.of(option, in_radians(read_ranges(option, given), degrees))
         if len(found.free) != 2:
             names = ", ".join(found.ranges)
             raise InputError(

@@ -19,10 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.measure.statistics import QUANTILES
 from explorer.phase.states import Array
 
 K = TypeVar("K")
+KERNELS = ("counting.histogram_batch", "counting.sum_batch")  # of `histograms` and `sums`
+QUANTILES = (0.0, 0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
 PER_DECADE = 400  # bins of logarithmic counts: a quantile is good to half a bin, 0.3 %
 LOWEST_BIN = -330 * PER_DECADE  # which no double reaches
 NO_ENDS = (math.inf, -math.inf)  # the smallest and the largest of nothing
@@ -52,6 +53,16 @@ class Tally:
     def of_state(cls, state: dict[str, Any]) -> Self:
         """The tally that had this state."""
         return cls(**{name: _made(kind, state[name]) for name, kind in cls.kinds.items()})
+
+
+ADD_UP = "int, float, list, Histogram, LogHistogram, or ByName[...] of one of these"
+
+
+def adds_up(kind: Any) -> bool:
+    """Whether a field of a tally may be of this kind."""
+    if get_origin(kind) is ByName:
+        return adds_up(get_args(kind)[0])
+    return kind in (int, float) or (get_origin(kind) or kind) is list or hasattr(kind, "state")
 
 
 def _made(kind: Any, *state: Any) -> Any:
@@ -285,3 +296,30 @@ def packed(counts: NDArray[Any]) -> str:
 def unpacked(text: str) -> NDArray[Any]:
     """The counts that `packed` was given, flat."""
     return np.frombuffer(zlib.decompress(base64.b64decode(text[1:])), f"<u{text[0]}")
+
+
+# Counts of a block of samples
+
+
+def count_status(status: NDArray[np.int8]) -> dict[str, int]:
+    """Number of samples that ended in each status, for those that occur; names in lower case."""
+    Status = compiled.status.Status
+    counts = np.bincount(status, minlength=len(Status))
+    return {Status(code).name.lower(): int(n) for code, n in enumerate(counts) if n}
+
+
+def histograms(values: Array, groups: NDArray[np.int64], edges: Array, count: int) -> NDArray[np.int32]:
+    """Histograms (count, bins + 1) of the finite ones of values by group, 0 ... count - 1; -1 belongs nowhere.
+
+    Edges are equally spaced; what lies outside comes last in each row.
+    """
+    counts = np.zeros((count, edges.size), np.int32)
+    compiled.counting.histogram_batch(values, groups, edges, counts.reshape(-1))
+    return counts
+
+
+def sums(values: Array, groups: NDArray[np.int64], count: int) -> Array:
+    """Sums of the finite ones of values by group, as `histograms`: (count, 3), parts that add up to each sum."""
+    parts = np.zeros((count, 3))
+    compiled.counting.sum_batch(values, groups, parts)
+    return parts

@@ -137,15 +137,15 @@ def paper(out: Path | str, *, only: str | None = None, jobs: int = 2, quiet: boo
 
     Raises InputError for an unknown statement or a folder that cannot be written.
     """
-    jobs, folder = jobs_of("--jobs", jobs), Path(out) if only is not None else path_of("--out", out)
+    jobs, folder = jobs_of("jobs", jobs), Path(out) if only is not None else path_of("out", out)
     if folder.exists() and not folder.is_dir():
-        raise InputError(f"--out {folder}: is a file; give a folder")
+        raise InputError(f"out {folder}: is a file; give a folder")
     note("checking the statements", quiet)
     rows = check_all(only, jobs, quiet)
     if only is None:
         pages = {"statements.md": statements_page(rows), "misprints.md": misprints_page(rows)}
         for name, page in {**pages, "README.md": figures_page()}.items():
-            (made_folder("--out", folder) / name).write_text(page, encoding="utf-8")
+            (made_folder("out", folder) / name).write_text(page, encoding="utf-8")
         for number in FIGURES:
             note(f"drawing figure {number}", quiet)
             one_figure(folder, number)
@@ -157,7 +157,7 @@ def one_figure(folder: Path | str, number: int, disk: Disk | None = None, eta_ha
 
     Raises InputError.
     """
-    where = made_folder("--out", path_of("--out", folder) / "figures")
+    where = made_folder("out", path_of("out", folder) / "figures")
     drawn = figure(number, disk, eta_hat)
     name = f"figure-{number}"
     if disk is not None or eta_hat != ETA_HAT:

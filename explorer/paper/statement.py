@@ -82,5 +82,5 @@ def chosen(only: str | None) -> list[Statement]:
     wanted = only.strip().upper()
     rows = [row for row in ordered if wanted in (row.name, str(row.number))]
     if not rows:
-        raise InputError(f"--only {only!r} is no statement; {suggest(wanted, [row.name for row in ordered])}")
+        raise InputError(f"only {only!r} is no statement; {suggest(wanted, [row.name for row in ordered])}")
     return rows

@@ -153,14 +153,15 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
     disk : Disk
         The disk.
     **coordinates
-        Three to five arrays, which broadcast: one for the tilt, one for its rate, and two for the spins. Rates are in
-        the units of the disk.
-        The tilt is phi : angle to the vertical (rad), 0 if left out. With it comes phidot : its rate; or energy :
-        which then gives phidot >= 0. Instead, theta : with thetadot : as `theta_to_states` takes them, or
-        tilt : (rad) with tilt_rate : 0 if left out, as `rates_to_states` does.
-        The spins are sigma3 : with sigma4 : of eq. (2.14); beside phi also constants of motion, sigma3_bar : with
-        sigma4_bar : or with eta_hat : ; beside tilt, precession : and spin : instead.
-        face : +1 or -1, the face to which theta, tilt or eta_hat refers; +1 if left out.
+        Three to five arrays, which broadcast: one for the tilt, one for its rate and two for the spins, all rates
+        in the units of the disk.
+        phi : angle to the vertical (rad), 0 if left out; with phidot : its rate, or with energy : from which
+        phidot >= 0 follows. Or theta : with thetadot : both as for `theta_to_states`; or tilt : with
+        tilt_rate : both as for `rates_to_states`, the latter 0 if left out.
+        sigma3 : with sigma4 : of eq. (2.14). Beside phi also constants of motion, sigma3_bar : with
+        sigma4_bar : or with eta_hat : of eqs (3.5), (6.2). Beside tilt instead precession : with spin : as for
+        `rates_to_states`.
+        face : +1 or -1, to which theta, tilt or eta_hat refers; +1 if left out.
 
     Returns
     -------

@@ -54,11 +54,15 @@ def _code_of(kind: type[Scene]) -> str | None:
     """
     if not kind.__module__.startswith("explorer."):
         with contextlib.suppress(OSError, TypeError):
-            file = inspect.getfile(kind)
-            linecache.checkcache(file)  # it may have been edited since it was read
-            lines = linecache.getlines(file)
-            return _digest("".join(lines)) if lines else None
+            return _code_in(inspect.getfile(kind))
     return None
+
+
+def _code_in(file: str) -> str | None:
+    """Digest of a file of Python, or of what a notebook knows by that name; None where there is none."""
+    linecache.checkcache(file)  # it may have been edited since it was read
+    lines = linecache.getlines(file)
+    return _digest("".join(lines)) if lines else None
 
 
 def digest_of_identity(known: dict[str, Any]) -> str:
@@ -84,8 +88,12 @@ def read_record(folder: Path) -> dict[str, Any]:
             other = f"another version of nearflat wrote it (format {shown(record.get('format'))}, not {FORMAT})"
             raise InputError(f"{path}: {other}; use that version, or {anew}")
         digest_of_identity(record)  # which looks at what others need
-        if {*record["formats"]} - {*KNOWN_FORMATS} or {type(name) for name in record["arithmetic"]} - {str}:
-            raise TypeError("formats or arithmetic")
+        if (
+            type(record["chunks"]) is not int
+            or {*record["formats"]} - {*KNOWN_FORMATS}
+            or {type(name) for name in record["arithmetic"]} - {str}
+        ):
+            raise TypeError("chunks, formats or arithmetic")
     except (RunError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: is damaged ({error}); {anew}") from None
     return record
@@ -96,6 +104,28 @@ def stored_scene(record: dict[str, Any]) -> Scene:
     if record.get("from"):
         scene_class(record["from"])
     return scene_of(record["options"])
+
+
+def code_now(record: dict[str, Any]) -> str | None:
+    """The digest that the file of a user's scene has by now; None where it is not there."""
+    where = record.get("from")
+    return _code_in(where.rpartition(":")[0]) if where else record["code"]
+
+
+def changed(record: dict[str, Any], scene: Scene | None) -> list[str]:
+    """What computed a run and is other now, in sentences. scene: None where its file is other, or not there."""
+    now = identity(scene) if scene else {**record, "code": code_now(record) or record["code"]}
+    return [_remedy(what, record) for what in MADE_BY if now[what] != record[what]]
+
+
+def _remedy(what: str, record: dict[str, Any]) -> str:
+    """What can be done where one of MADE_BY is other now."""
+    was, back = {
+        "kernels": ("the kernels of nearflat were", "install that version again, as run.json names it,"),
+        "code": (f"{record.get('from') or 'the code of the scene'} was", "put that file back as it was"),
+        "calibration": ("the calibration of integrators was", "name that of then by NEARFLAT_CALIBRATION"),
+    }[what]
+    return f"{was} changed since; {back} to resume the run, or replace the run"
 
 
 def differing(one: dict[str, Any], two: dict[str, Any]) -> Iterator[tuple[str, Any, Any]]:
@@ -110,9 +140,11 @@ def differing(one: dict[str, Any], two: dict[str, Any]) -> Iterator[tuple[str, A
 def require_same(folder: Path, record: dict[str, Any], scene: Scene) -> None:
     """Raise InputError where the folder holds another run; one of fewer samples is a part of the same."""
     for key, before, now in differing(record, identity(scene)):
+        if key in MADE_BY:
+            raise InputError(f"{folder}: {_remedy(key, record)}")
         if not (key == "samples" and before < now):
             raise InputError(
-                f"resume: {folder} was run with {key} = {shown(before)}, now {key} = {shown(now)}; give the "
+                f"{folder} was run with {key} = {shown(before)}, now {key} = {shown(now)}; give the "
                 "same (or more samples), another folder, or replace the run"
             )
 
@@ -152,7 +184,7 @@ def missing_chunks(folder: Path, scene: Scene, say: Callable[[str], None]) -> li
     for leftover in (*folder.glob(".*.tmp"), *folder.glob("chunks/.*.tmp")):
         leftover.unlink(missing_ok=True)
     good, shared = set[int | None](), digest_of_identity(identity(scene))
-    for chunk, fault in store.examined(store.chunks_in(folder), scene, shared):
+    for chunk, fault in store.examined(store.chunks_in(folder), scene.chunks, shared, scene):
         path, place = folder / "chunks" / chunk.name, folder / "bad"
         if not fault:
             good.add(chunk.number)
@@ -169,7 +201,7 @@ def missing_chunks(folder: Path, scene: Scene, say: Callable[[str], None]) -> li
 def write_record(folder: Path, scene: Scene, how: dict[str, Any]) -> None:
     """Write run.json: everything needed to run it again, how it was made, and what it ran on."""
     versions = {"python": platform.python_version(), **{name: installed_version(name) for name in PACKAGES}}
-    content = {"format": FORMAT, **identity(scene), "from": file_of(type(scene)), **how}
+    content = {"format": FORMAT, **identity(scene), "from": file_of(type(scene)), "chunks": scene.chunks, **how}
     store.write_json(folder / "run.json", {**content, "versions": versions, "machine": machine()})
 
 

@@ -43,22 +43,23 @@ def merge(*runs: Run) -> Run:
     """
     for run in runs:
         if not isinstance(run, Run):
-            raise InputError(f'merge: {shown(run)} is no run; give what ex.run(...) or ex.open("folder") returns')
+            raise InputError(f'{shown(run)} is no run; give what ex.run(...) or ex.open("folder") returns')
     parts = sorted((part for run in runs for part in run.parts), key=lambda part: part.scene.seed)
     if len(parts) < 2:
-        raise InputError("merge: takes two runs or more; give them one after the other")
+        raise InputError("takes two runs or more; give them one after the other")
     first = parts[0].scene
     if "samples" not in first.options or first.options.get("states") is not None:
-        raise InputError(f"merge: {first.name} draws no samples here, so another run of it says the same")
+        raise InputError(f"{first.name} draws no samples here, so another run of it says the same")
     for one, two in pairwise(parts):
         for key, here, there in differing(one.identity, two.identity):
             if key not in _FREE:
                 differ = f"one run has {key} = {shown(here)}, another {shown(there)}"
-                raise InputError(f"merge: {differ}; only runs of the same question can be added up")
+                raise InputError(f"{differ}; only runs of the same question can be added up")
         if one.scene.seed == two.scene.seed:
             raise InputError(
-                f"merge: two runs have seed {one.scene.seed}, so one repeats samples of the other; give runs with "
-                "different seeds, or resume one of them with more samples"
+                f"two runs have seed {one.scene.seed}, so one repeats samples of the other; give runs with "
+                "different seeds. For more samples of one seed, run it again in its folder with resume and more "
+                "samples"
             )
     for part in parts:
         part.complete()

@@ -17,7 +17,7 @@ from tqdm import tqdm
 
 from explorer import compiled
 from explorer.errors import InputError, Interrupted, RunError, note, one_of, shorten, words
-from explorer.measure import statistics
+from explorer.measure.tallies import ByName
 from explorer.phase.paths import path_of
 from explorer.runs import folder as folders
 from explorer.runs import store
@@ -61,7 +61,7 @@ class Run:
     Attributes
     ----------
     scene : Scene
-        The question, with all its options.
+        The question, with all its options. Of a stored run it is loaded when it is needed.
     folder : Path or None
         Where the run is stored; None for one in memory and for several that are merged.
 
@@ -79,13 +79,23 @@ class Run:
 
     def __init__(
         self,
-        scene: Scene,
+        scene: Scene | None = None,
         chunks: Sequence[store.Chunk] = (),
         folder: Path | None = None,
         parts: "Sequence[Run]" = (),
     ) -> None:
-        self.scene, self.folder = scene, folder
-        self._held, self._parts = chunks, parts
+        self.folder, self._held, self._parts = folder, chunks, parts
+        if scene is not None:
+            self.scene = scene
+
+    @cached_property
+    def scene(self) -> Scene:
+        return folders.stored_scene(self.identity)
+
+    @property
+    def _due(self) -> int:
+        """How many chunks it has when it is finished."""
+        return self.scene.chunks if self.folder is None else int(self.identity["chunks"])
 
     @property
     def parts(self) -> "tuple[Run, ...]":
@@ -162,7 +172,7 @@ class Run:
         """How far the run is: chunks and samples done, counts of each status, what is missing."""
         notes, record, lacking = list[dict[str, Any]](), dict[str, Any](), set[str]()
         for part in self.parts:
-            there = {chunk.number: chunk for chunk in part.chunks if chunk.number in range(part.scene.chunks)}
+            there = {chunk.number: chunk for chunk in part.chunks if chunk.number in range(part._due)}
             for chunk in there.values():
                 with contextlib.suppress(RunError):  # `verify` says what is wrong with it
                     notes.append(chunk.note())
@@ -170,14 +180,14 @@ class Run:
                 record = folders.read_record(part.folder)
                 lacking |= set() if (part.folder / "summary.json").is_file() else {"summary"}
                 lacking |= {"figures"} if record["formats"] and "finished" not in record else set()
-        due = sum(part.scene.chunks for part in self.parts)
+        due = sum(part._due for part in self.parts)
         lacking |= {"chunks"} if len(notes) < due else set()
         return Progressed(
-            self.scene.name,
+            str(self.parts[0].identity["options"]["scene"]),
             due,
             len(notes),
             sum(note["samples"] for note in notes),
-            statistics.add_counts(note["tally"]["status"] for note in notes),
+            dict(sum((note["tally"]["status"] for note in notes), ByName[int]())),
             None if self._parts else record.get("finished"),
             None if self._parts else record.get("seconds_for_chunks"),
             tuple(sorted(lacking)),
@@ -277,22 +287,35 @@ class Run:
         """
         return [fault for part in self.parts for fault in part._faults()]
 
+    def changed(self) -> list[str]:
+        """What computed the run and is other now, a sentence each: it cannot be resumed then, but be read.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> ex.run("race-angles", samples=1000).changed()
+        []
+        """
+        return [each for part in self.parts for each in folders.changed(part.identity, part._unchanged_scene)]
+
+    @property
+    def _unchanged_scene(self) -> Scene | None:
+        """The scene; None of a user's whose file is other than when the run was made, or not there."""
+        known = self.identity
+        return self.scene if self.folder is None or folders.code_now(known) == known["code"] else None
+
     def _faults(self) -> list[str]:
-        known, now = self.identity, folders.identity(self.scene)
-        faults = [
-            f"run.json: other {what} than these computed the run; it cannot be resumed with them"
-            for what, _, _ in folders.differing(known, now)
-        ]
-        chunks = self.chunks
-        missing = sorted({*range(self.scene.chunks)} - {chunk.number for chunk in chunks})
+        known, scene, chunks, due = self.identity, self._unchanged_scene, self.chunks, self._due
+        faults = [f"run.json: {each}" for each in self.changed()]
+        missing = sorted({*range(due)} - {chunk.number for chunk in chunks})
         named = shorten(", ".join(map(str, missing)), 60)
         if missing:
-            faults.append(f"{len(missing):,} of {self.scene.chunks:,} chunks are missing: {named}")
-        looked_at = store.examined(chunks, self.scene, folders.digest_of_identity(known), rows=True)
+            faults.append(f"{len(missing):,} of {due:,} chunks are missing: {named}")
+        looked_at = store.examined(chunks, due, folders.digest_of_identity(known), scene, rows=True)
         faults += [f"{chunk.name}: {fault}" for chunk, fault in looked_at if fault]
         told = self.folder and self.folder / "summary.json"
-        if not faults and told and told.exists():
-            fresh = store.as_json(Run(self.scene, folder=self.folder).summary)
+        if not faults and scene and told and told.exists():
+            fresh = store.as_json(Run(scene, folder=self.folder).summary)
             if not told.is_file() or told.read_bytes() != fresh:
                 faults.append("summary.json: does not belong to these chunks; run `nearflat summary`")
         return faults
@@ -303,7 +326,7 @@ class Run:
         settings: how, as for `run`: jobs, backend, scheduler, format, figures, progress.
         """
         if self._parts:
-            raise InputError("resume: several runs were merged here; resume each of them")
+            raise InputError("several runs were merged here; resume each of them")
         if self.folder is not None:
             execute(Asked(self.scene, Settings.of({**settings, "out": self.folder})))
             vars(self).pop("_total", None)
@@ -341,7 +364,8 @@ def open(folder: Path | str) -> Run:
     Raises
     ------
     InputError
-        Where there is no run, or one of another version, or of a scene that is not known here.
+        Where there is no run, or one of another version. Where its scene is not known here, as soon as that is
+        needed.
 
     Examples
     --------
@@ -354,7 +378,8 @@ def open(folder: Path | str) -> Run:
     [] True
     """
     place = path_of("folder", folder)
-    return Run(folders.stored_scene(folders.read_record(place)), folder=place)
+    folders.read_record(place)
+    return Run(folder=place)
 
 
 def execute(asked: Asked) -> Run:
@@ -433,14 +458,14 @@ def _draw_missing(run: Run, formats: Sequence[str], stop: threading.Event) -> bo
 def _computed(asked: Asked, missing: list[int], stop: threading.Event) -> Iterator[store.Chunk]:
     """Compute the chunks that are missing, and show how far it is. Raises Interrupted."""
     scene, settings, _ = asked
-    due, count, counts = samples_of(scene), len(missing), dict[str, int]()
+    due, count, counts = samples_of(scene), len(missing), ByName[int]()
     there = due - sum(map(scene.length, missing))
     often = 0.1 if sys.stderr.isatty() else 5.0  # seconds between two lines
     how: dict[str, Any] = {"desc": scene.name, "unit": " samples", "unit_scale": True, "mininterval": often}
     with tqdm(total=due, initial=there, delay=2.0, disable=settings.quiet, **how) as bar:
         for chunk, status in compute_all(scene, missing, settings, stop) if missing else ():
             count -= 1
-            counts = statistics.add_counts([counts, status])
+            counts = counts + status
             bar.set_postfix({name: n for name, n in counts.items() if name != "ok"}, refresh=False)
             bar.update(sum(status.values()))
             yield chunk

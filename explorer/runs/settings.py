@@ -109,7 +109,11 @@ def asked(name: Any, given: Mapping[str, Any], command: str | None = None, exist
         if "seed" in rest:
             raise InputError("rng and seed say the same; leave one out")
         rest["seed"] = settings.rng
-    scene = name if isinstance(name, Scene) else scene_class(name).of(rest)
+    kind = type(name) if isinstance(name, Scene) else scene_class(name)
+    taken = {each.name for each in options_of(Settings)} & {each.name for each in options_of(kind)}
+    if taken:
+        raise InputError(f"scene {kind.__name__}: {min(taken)} is a setting of runs; call your option otherwise")
+    scene = name if isinstance(name, Scene) else kind.of(rest)
     if settings.out is None and (command is not None or samples_of(scene) > MOST_IN_MEMORY):
         settings = replace(settings, out=Path(f"results/{scene.name}-{scene.label}-{scene.seed}"))
     return Asked(scene, settings, command)

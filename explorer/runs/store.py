@@ -83,10 +83,11 @@ class Chunk(NamedTuple):
                 f"{where}: cannot be read or is damaged ({in_one_line(error)}); resume the run"
             ) from error
 
-    def fault(self, scene: Scene, identity: str, rows: bool = False) -> str:
+    def fault(self, identity: str, scene: Scene | None, rows: bool) -> str:
         """What is wrong with it as a chunk of this run, by all of its bytes; empty where all is well.
 
-        rows: whether they are read too, and compared with the digest in its footer.
+        scene: whose columns and lengths it must have, where these are known. rows: whether they are read too, and
+        compared with the digest in its footer.
         """
         try:
             inside = self.data()
@@ -94,10 +95,11 @@ class Chunk(NamedTuple):
                 return "its bytes are not those that were written"
             with Chunk(self.name, inside)._opened() as file:
                 note = _noted(file)
-                _check_columns(scene, file.schema_arrow)
+                if scene is not None:
+                    _check_columns(scene, file.schema_arrow)
             if (note["identity"], note["index"]) != (identity, self.number):
                 return "it belongs to another run"
-            if note["samples"] != (due := scene.length(note["index"])):
+            if scene is not None and note["samples"] != (due := scene.length(note["index"])):
                 return SHORTER if note["samples"] < due else f"it stands for more than {due:,} samples"
             if rows and digest_of(Chunk(self.name, inside).table(), note["tally"]) != note["digest"]:
                 return "its rows and counts have another digest than it says"
@@ -112,17 +114,17 @@ def chunks_in(folder: Path) -> list[Chunk]:
 
 
 def examined(
-    chunks: Sequence[Chunk], scene: Scene, identity: str, rows: bool = False
+    chunks: Sequence[Chunk], count: int, identity: str, scene: Scene | None, rows: bool = False
 ) -> Iterator[tuple[Chunk, str]]:
-    """Each chunk of a run with what is wrong with it; empty where all is well."""
+    """Each chunk of a run of `count` with what is wrong with it; empty where all is well."""
     known = Counter(chunk.number for chunk in chunks)
     for chunk in chunks:
         if chunk.number is None or known[chunk.number] > 1:
             yield chunk, "is no chunk of this run, or there are two of its number"
-        elif chunk.number >= scene.chunks:
-            yield chunk, f"is beyond the end of the run, which has {scene.chunks:,} chunks"
+        elif chunk.number >= count:
+            yield chunk, f"is beyond the end of the run, which has {count:,} chunks"
         else:
-            yield chunk, chunk.fault(scene, identity, rows)
+            yield chunk, chunk.fault(identity, scene, rows)
 
 
 Done = tuple[Chunk, dict[str, int]]  # a chunk, and in which status its samples ended

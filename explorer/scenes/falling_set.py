@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from explorer.errors import InputError
 from explorer.measure import sifting, statistics
-from explorer.measure.sampling import chunk_stream
+from explorer.measure.sampling import chunk_stream, read_ranges
 from explorer.measure.slices import ConstantsPlane, Slice, slice_map
-from explorer.measure.tallies import ByName, Least, LogHistogram
+from explorer.measure.tallies import ByName, Least, LogHistogram, count_status
 from explorer.motion.reference_samples import ReferenceSamples, ReferenceTilts
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import falling_set
@@ -25,7 +26,7 @@ from explorer.phase.disk import require_axial_inertia
 from explorer.phase.falling_set import falls_of
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.scenes.given_states import Block
-from explorer.scenes.options import Reader, option, read_ranges, several, whole_from, word_of
+from explorer.scenes.options import Reader, option, several, whole_from, word_of
 from explorer.scenes.scene import Counts, Picture, Table
 from explorer.scenes.starts import FromStates
 
@@ -102,6 +103,8 @@ class FallingSet(FromStates):
     def __post_init__(self) -> None:
         super().__post_init__()
         require_axial_inertia(self.disk)
+        if self.theta_min == "none" and self.method != "auto":
+            raise InputError(f"method {self.method}: computes theta_min, of which none is asked; leave one out")
 
     @property
     def tube(self) -> float:
@@ -197,13 +200,13 @@ class FallingSet(FromStates):
             return super().chunk(index)
         n, tally = self.length(index), FallingCounts()
         random = chunk_stream(self.seed, index)
-        found = sifting.sift(self.disk, self.box, random, (n, self.block), self.tube * _WIDER)
+        found = sifting.sift(self.disk, self.box, random, (n, self.states_at_once), self.tube * _WIDER)
         table = self.observe(Block(phi_to_states(self.disk, **found.columns), found.columns, {}))
         tally.faces += found.faces
         tally.could_fall, tally.distance = found.could_fall, found.distance
         good = sum(found.faces.values())
         of_others = {"ok": good - table["status"].size, "bad_input": n - good}
-        tally.status += statistics.count_status([table["status"]])
+        tally.status += count_status(table["status"])
         tally.status += {name: count for name, count in of_others.items() if count}
         self._count_tilts(tally, table)
         return self.kept(table), tally

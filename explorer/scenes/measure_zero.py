@@ -14,12 +14,12 @@ import scipy
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError
-from explorer.measure import invariance, statistics
+from explorer.errors import InputError, said
+from explorer.measure import invariance
 from explorer.measure.density import Density
 from explorer.measure.falling_probability import FEWEST_HITS, FallingProbability
 from explorer.measure.sampling import Range, chunk_stream
-from explorer.measure.tallies import ByName, Histogram
+from explorer.measure.tallies import ByName, Histogram, count_status
 from explorer.measure.tubes import dimensions, widest_eta
 from explorer.motion.plan import Plan, plan
 from explorer.motion.reference_samples import ReferenceSamples, ReferenceTilts, through_time
@@ -41,7 +41,7 @@ def read_ladder(name: str, value: Any) -> Range:
     """Read the smallest and the largest delta. Raises InputError."""
     low, high = read_range(name, value)
     if not 1e-100 <= low < high <= 1.0:
-        raise InputError(f"{name} {low:g}:{high:g} must be LOW:HIGH within 1e-100:1 (tilts in rad)")
+        raise InputError(f"{said(name, value)} must be LOW:HIGH with 1e-100 <= LOW < HIGH <= 1 (tilts in rad)")
     return low, high
 
 
@@ -153,7 +153,7 @@ class MeasureZero(FromDensity):
 
     def chunk(self, index: int) -> tuple[Table, ZeroCounts]:
         table, tally = self._plain(index) if index >= self._in_tubes else self._batch(index)
-        tally.status += statistics.count_status([table["status"]])
+        tally.status += count_status(table["status"])
         # The first batches show what the draws and weights of every tube look like.
         first = index < self._in_tubes and index % self._batches[0] == 0
         return (table if first and self.keep == "near" else self.kept(table)), tally

@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 
 from explorer.errors import InputError
-from explorer.measure import statistics
 from explorer.measure.sampling import Range, chunk_stream
-from explorer.measure.tallies import ByName
+from explorer.measure.tallies import ByName, count_status
 from explorer.motion import limit_motions
 from explorer.motion.both_sides import QUANTITIES, beside, both_sides, limits_at, sample_times
 from explorer.motion.plan import TIGHTEST
@@ -164,7 +163,7 @@ class OneSided(Scene):
             tally.distances[disk.name] += [plain(distance)]
             tally.apart[disk.name] += plain(chi[:1, -1] - chi[1:, -1])
         table = joined(tables)
-        tally.status += statistics.count_status([table["status"]])
+        tally.status += count_status(table["status"])
         return table, tally
 
     def _approach(self, disk: Disk, base: int, start: dict[str, float]) -> Table:

@@ -17,7 +17,7 @@ import numpy as np
 
 from explorer.errors import InputError, flag, number, one_of, shown, suggest, whole
 from explorer.measure.density import Function
-from explorer.measure.sampling import Range, parse_ranges
+from explorer.measure.sampling import read_gaussians, read_ranges
 from explorer.phase.arguments import read_range
 from explorer.phase.disk import Disk
 from explorer.phase.paths import path_of
@@ -130,6 +130,11 @@ def options_of(kind: type) -> "tuple[Field[Any], ...]":
     return tuple(each for each in fields(kind) if "reader" in each.metadata)
 
 
+def own_options(kind: type) -> "tuple[Field[Any], ...]":
+    """Those that a user's class declares, or inherits from another of the user's."""
+    return tuple(each for each in options_of(kind) if not _home_of(kind, each).__module__.startswith("explorer."))
+
+
 def key_of(each: "Field[Any]") -> str:
     """What records call an option."""
     return each.metadata["key"] or each.name
@@ -217,11 +222,6 @@ def several(read: Callable[[str, Any], Any]) -> Callable[[str, Any], tuple[Any, 
     return read_all
 
 
-def read_ranges(name: str, value: Any) -> dict[str, Range]:
-    """Read ranges of coordinates: "phi=0,phidot=-2:2", a mapping, a Box or a Slice. Raises InputError."""
-    return parse_ranges(plain(value), name)
-
-
 def read_density(name: str, value: Any) -> Function:
     """Read a density. A stored run says only which function it had. Raises InputError."""
     if not callable(value):
@@ -240,4 +240,5 @@ OPEN_RANGE = Reader(partial(read_range, unbounded=True), "LOW:HIGH", "str | tupl
 RANGES = Reader(read_ranges, "NAME=LOW:HIGH,..", "str | Box | Mapping[str, tuple[float, float]]")
 DISK = Reader(read_disk, "DISK", "Disk | str")
 DISKS = Reader(several(read_disk), "DISK", "Disk | str | Sequence[Disk | str]")
+GAUSSIANS = Reader(read_gaussians, "NAME=MEAN:DEVIATION,..", "str | Mapping[str, tuple[float, float]]")
 DENSITY = Reader(read_density, None, "Callable[..., Array]")

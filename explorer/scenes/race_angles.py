@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, RunError
-from explorer.measure import statistics
+from explorer.measure import tallies
 from explorer.measure.races import (
     SIDES,
     by_decade,
@@ -36,7 +36,7 @@ from explorer.motion.vertical import starts_at_vertical
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.states import Array, constants_to_states
 from explorer.scenes.given_states import Block
-from explorer.scenes.options import RANGE, RANGES, option, read_ranges, whole_from
+from explorer.scenes.options import RANGE, RANGES, option, whole_from, word_of
 from explorer.scenes.scene import Counts, Picture, SampledScene, Table, joined
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, BoxNearF, FromStates, check_eta_hat
 
@@ -49,9 +49,13 @@ _OF_BOUNCE = (
     *("bounce", "face", "side", "time", "race_angle", "delta_chi", "fall_angle"),
     *("theta_min", "duration", "error_estimate"),
 )
-KERNELS = (*statistics.KERNELS, *LogHistogram.KERNELS)  # of what is counted
-# Options that mean states anywhere in the phase space; so does a box with more than phidot and sigma3.
-_ANYWHERE = ("states", "gaussian", "density", "bounces")
+# What can be done where no sample has a race angle
+_NEAR_F_REMEDY = (
+    "raise eta_hat or change accuracy; in box give phidot of 0 or more, which leads to flat, and rates below "
+    "1e100 natural units"
+)
+_ANYWHERE_REMEDY = "give states with more energy: the others do not come flat"
+KERNELS = (*tallies.KERNELS, *LogHistogram.KERNELS)  # of what is counted
 
 
 class RaceCounts(Counts):
@@ -75,41 +79,145 @@ class RaceAngles(FromStates):
 
     box: Any = option(
         RANGES,
-        f"{BOX_NEAR_F}; of others, states in all of the phase space, as in falling-set",
+        f"{BOX_NEAR_F}; with start anywhere as in falling-set",
         words="that, in natural units",
         follows=lambda self, given: self.box_of(given),
     )
-    eta_hat: Range | None = option(
-        RANGE, ETA_HAT, words="1e-6:1e-2 natural units", follows=lambda self, given: self.eta_hat_of(given)
+    start: str = option(
+        word_of("near", "anywhere"),
+        "near: passages that start at the vertical, near the falling set; anywhere: states in all of the phase "
+        "space, drawn or given, and their next approaches to flat",
+        words="near; with states, gaussian, density, or a box of more than phidot and sigma3: anywhere",
+        follows=lambda self, given: "near" if isinstance(self.box, BoxNearF) else "anywhere",
     )
-    bounces: int | None = option(
-        whole_from(1, MOST),
-        "how many approaches to flat of each state, where states are given or drawn in all of the phase space",
-        words="1",
-        follows=lambda self, given: (given or 1) if isinstance(self, Bounces) else None,
+    eta_hat: Range | None = option(
+        RANGE,
+        f"with start near: {ETA_HAT}",
+        words="1e-6:1e-2 natural units",
+        follows=lambda self, given: self.eta_hat_of(given),
+    )
+    bounces: int = option(
+        whole_from(1, MOST), "how many approaches to flat of each state; with start near it is one", default=1
     )
 
-    name: ClassVar[str] = "race-angles"
     tally, drawn = RaceCounts, 2
     observables: ClassVar[tuple[str, ...]] = ("race_angle", "theta_min", "duration")
     columns = ("phidot", "sigma3_bar", "eta_hat", "face", *_OF_PASSAGE)
     columns_of_given = ("row", "bounce", "phi", "sigma3", "sigma4", "side", "time")
-    remedy: ClassVar[str] = ""
     says = (
-        "{samples:,} passages of the {disks[0][name]} disk; the limit +-kappa pi is {limit:.6f} rad",
+        "{passages:,} passages of the {disks[0][name]} disk; the limit +-kappa pi is {limit:.6f} rad",
+        "{approaches:,} bounces of {valid_states:,} states, {without_race:,} of them with too little energy to "
+        "come flat; the limit +-kappa pi is {limit:.6f} rad",
         "race angle (rad) of the {races_plus:,} with eta > 0: mean {mean_plus:+.4f}, median {median_plus:+.6f}",
         "race angle (rad) of the {races_minus:,} with eta < 0: mean {mean_minus:+.4f}, median {median_minus:+.6f}",
         "wrong way: {wrong_way}",
     )
 
-    def __new__(cls, **given: Any) -> "RaceAngles":
-        """Bounces where states may be anywhere, else passages near F."""
-        kind = (Bounces if _anywhere(given) else Passages) if cls is RaceAngles else cls
-        return object.__new__(kind)
-
     def __post_init__(self) -> None:
         super().__post_init__()
         require_axial_inertia(self.disk)
+        if self.near_f and self.bounces > 1:
+            raise InputError(
+                f"bounces {self.bounces}: a motion that starts near the falling set comes flat once here; give "
+                "start anywhere, or leave bounces out"
+            )
+
+    @property
+    def near_f(self) -> bool:
+        """Whether passages start at the vertical near F; else states are anywhere in the phase space."""
+        return self.start == "near"
+
+    def box_of(self, given: dict[str, Range] | None) -> Any:
+        """The box of starts near F or of states anywhere, and so which of them is meant where nobody says it."""
+        elsewhere = [name for name in ("states", "gaussian", "density") if getattr(self, name) is not None]
+        if self.start == "near" and elsewhere:
+            raise InputError(f"{elsewhere[0]}: is for start anywhere; leave one of them out")
+        if self.start == "near" or not (self.start or elsewhere or {*(given or {})} - {"phidot", "sigma3"}):
+            return BoxNearF.of(self.disk, given or {})
+        return super().box_of(given)
+
+    def eta_hat_of(self, given: Range | None) -> Range | None:
+        """The range of distances from F, which states anywhere have of themselves."""
+        if not self.near_f:
+            if given is not None:
+                raise InputError(
+                    "eta_hat: is for start near; states, gaussian, density, and a box of more than phidot and "
+                    "sigma3 mean start anywhere; leave one of them out"
+                )
+            return None
+        if self.degrees:
+            raise InputError("degrees: is for start anywhere; leave one of them out")
+        unit = self.disk.rate_unit
+        span = given or (1e-6 * unit, 1e-2 * unit)
+        check_eta_hat(span, self.disk)
+        return span
+
+    @property
+    def kernels(self) -> tuple[str, ...]:
+        if not self.near_f:
+            return *super().kernels, *bounce_kernels(self.plan), *KERNELS
+        some = () if self.energy is None else ("algebra.constants_batch",)
+        return *super().kernels, *some, *passage_kernels(self.plan), *KERNELS
+
+    # Samples
+
+    @property
+    def rows(self) -> int:
+        return self.bounces
+
+    def blocks(self, index: int) -> Iterator[Any]:
+        return SampledScene.blocks(self, index) if self.near_f else super().blocks(index)
+
+    def draw(self, random: Stream, count: int) -> Table:
+        """Starts at the vertical: phidot, sigma3_bar, eta_hat and face. Or coordinates of states anywhere."""
+        if not self.near_f:
+            return super().draw(random, count)
+        if self.energy is None:
+            return self._starts(random, count)
+        low, high = self.energy
+
+        def block() -> tuple[dict[str, Array], NDArray[np.bool_]]:
+            drawn = self._starts(random, BLOCK)
+            states = constants_to_states(self.disk, **drawn)
+            energy = states.motion.energy * self.disk.energy_unit
+            return drawn, (energy >= low) & (energy <= high)
+
+        return gather(block, count, "energy: only {} draws beside the falling set were kept; widen it")
+
+    def _starts(self, random: Stream, count: int) -> Table:
+        start = self.box.starts(random, count)
+        face = start.pop("face")
+        assert self.eta_hat is not None
+        eta_hat = log_uniform(random.random(count), *self.eta_hat)
+        eta_hat *= signs(random.random(count))
+        return {**start, "eta_hat": eta_hat, "face": face}
+
+    def observe(self, drawn: Any) -> Table:
+        return self._passages(drawn) if self.near_f else self._bounces(drawn)
+
+    def _passages(self, drawn: Table) -> Table:
+        found = passages_by(self.disk, starts_at_vertical(self.disk, *_start(drawn)), self.plan)[0]
+        face = drawn["face"].astype(np.int8)
+        return {**drawn, "face": face, **{name: getattr(found, name) for name in _OF_PASSAGE}}
+
+    def _bounces(self, block: Block) -> Table:
+        """A row for each approach to flat of each state."""
+        found = bounces(block.states, self.rows, self.accuracy, method=self.plan.method)
+        results = motion_constants(found) | {name: getattr(found, name) for name in (*_OF_BOUNCE, "status")}
+        table = {name: values.ravel() for name, values in results.items()}
+        return block.at(np.repeat(np.arange(len(block.states)), self.rows)).with_results(table)
+
+    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
+        if not self.near_f:
+            return super().reference_samples(motions, t_end)
+        drawn = joined([block for index in range(self.chunks) for block in self.blocks(index)])
+        first = {name: values[:motions] for name, values in drawn.items()}
+        return [
+            ReferencePassages(self.disk, starts_at_vertical(self.disk, *_start(drawn))),
+            through_time(constants_to_states(self.disk, **first), t_end),
+        ]
+
+    # Counts
 
     def count(self, tally: RaceCounts, table: Table) -> None:
         race, eta_hat, limit = table["race_angle"], table["eta_hat"], self.disk.race_limit
@@ -120,7 +228,7 @@ class RaceAngles(FromStates):
         if known.any():
             lowest, highest = int(group[known].min()), int(group[known].max())
             place = np.where(known, group - lowest, -1.0).astype(np.int64)
-            for n, parts in enumerate(statistics.sums(deviation, place, highest - lowest + 1), lowest):
+            for n, parts in enumerate(tallies.sums(deviation, place, highest - lowest + 1), lowest):
                 tally.deviations[str(n)] += float(parts.sum())
         tally.decades.count(deviation, group)
         count_law(tally.law, self.disk, eta_hat, race, table["impact_speed"], table["error_estimate"])
@@ -130,11 +238,14 @@ class RaceAngles(FromStates):
         tally.without_race += int(np.count_nonzero(np.isnan(race) & np.isfinite(table["delta_chi"])))
 
     def summarise(self, tally: RaceCounts) -> dict[str, Any]:
+        of_states = {}
+        if not self.near_f:
+            states, without = self.states_among(tally.status), tally.without_race
+            of_states = {"valid_states": states, "approaches": states * self.rows, "without_race": without}
         if not tally.decades.total:
             told = ", ".join(f"{count:,} {name}" for name, count in tally.status.items())
-            raise RunError(
-                f"race-angles: none of {self.samples:,} samples has a race angle ({told}); {self.remedy}"
-            )
+            none = f"race-angles: none of {self.samples:,} samples has a race angle ({told})"
+            raise RunError(f"{none}; {_NEAR_F_REMEDY if self.near_f else _ANYWHERE_REMEDY}")
         limit, groups = self.disk.race_limit, tally.decades.groups
         summary = {
             **super().summarise(tally),
@@ -159,6 +270,7 @@ class RaceAngles(FromStates):
             "law": law_rows(self.disk, tally.law),
             "energy_range": [tally.energy.quantile(0.0), tally.energy.quantile(1.0)],
             "largest_error_estimate": tally.error_estimate.quantile(1.0),
+            **of_states,
         }
 
     def _decade(self, tally: RaceCounts, n: int) -> dict[str, Any]:
@@ -177,123 +289,14 @@ class RaceAngles(FromStates):
             },
         }
 
+    def headline(self, summary: dict[str, Any]) -> list[str]:
+        return super().headline(summary | ({"passages": summary["samples"]} if self.near_f else {}))
+
     def figures(self, summary: dict[str, Any], tally: RaceCounts) -> Iterator[tuple[str, Picture]]:
         from explorer.pictures import race
 
         yield "histogram", partial(race.race_histogram, summary)
         yield "deviation", partial(race.race_deviation, summary)
-
-
-class Passages(RaceAngles):
-    """Angles of passages that start at the vertical near F."""
-
-    name: ClassVar[str] = RaceAngles.name
-    remedy = (
-        "raise eta_hat or change accuracy; in box give phidot of 0 or more, which leads to flat, and rates "
-        "below 1e100 natural units"
-    )
-    block: ClassVar[int] = SampledScene.block
-    blocks = SampledScene.blocks
-
-    @property
-    def kernels(self) -> tuple[str, ...]:
-        some = () if self.energy is None else ("algebra.constants_batch",)
-        return *super().kernels, *some, *passage_kernels(self.plan), *KERNELS
-
-    def box_of(self, given: dict[str, Range] | None) -> BoxNearF:
-        return BoxNearF.of(self.disk, given or {})
-
-    def eta_hat_of(self, given: Range | None) -> Range:
-        """The range of distances from F; the default in natural units."""
-        if self.degrees:
-            raise InputError("degrees: is for states in all of the phase space; leave it out")
-        unit = self.disk.rate_unit
-        span = given or (1e-6 * unit, 1e-2 * unit)
-        check_eta_hat(span, self.disk)
-        return span
-
-    def draw(self, random: Stream, count: int) -> Table:
-        """Starts at the vertical: phidot, sigma3_bar, eta_hat and face."""
-        if self.energy is None:
-            return self._starts(random, count)
-        low, high = self.energy
-
-        def block() -> tuple[dict[str, Array], NDArray[np.bool_]]:
-            drawn = self._starts(random, BLOCK)
-            states = constants_to_states(self.disk, **drawn)
-            energy = states.motion.energy * self.disk.energy_unit
-            return drawn, (energy >= low) & (energy <= high)
-
-        return gather(block, count, "energy: only {} draws beside the falling set were kept; widen it")
-
-    def _starts(self, random: Stream, count: int) -> Table:
-        start = self.box.starts(random, count)
-        face = start.pop("face")
-        assert self.eta_hat is not None
-        eta_hat = log_uniform(random.random(count), *self.eta_hat)
-        eta_hat *= signs(random.random(count))
-        return {**start, "eta_hat": eta_hat, "face": face}
-
-    def observe(self, drawn: Table) -> Table:
-        found = passages_by(self.disk, starts_at_vertical(self.disk, *_start(drawn)), self.plan)[0]
-        face = drawn["face"].astype(np.int8)
-        return {**drawn, "face": face, **{name: getattr(found, name) for name in _OF_PASSAGE}}
-
-    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
-        drawn = joined([block for index in range(self.chunks) for block in self.blocks(index)])
-        first = {name: values[:motions] for name, values in drawn.items()}
-        return [
-            ReferencePassages(self.disk, starts_at_vertical(self.disk, *_start(drawn))),
-            through_time(constants_to_states(self.disk, **first), t_end),
-        ]
-
-
-class Bounces(RaceAngles):
-    """Angles of the next approaches to flat of states anywhere in the phase space."""
-
-    name: ClassVar[str] = RaceAngles.name
-    says = (
-        "{approaches:,} bounces of {valid_states:,} states, {without_race:,} of them with too little energy to "
-        "come flat; the limit +-kappa pi is {limit:.6f} rad",
-        *RaceAngles.says[1:],
-    )
-    remedy = "give states with more energy: the others do not come flat"
-
-    @property
-    def kernels(self) -> tuple[str, ...]:
-        return *super().kernels, *bounce_kernels(self.plan), *KERNELS
-
-    @property
-    def rows(self) -> int:
-        assert self.bounces is not None
-        return self.bounces
-
-    def eta_hat_of(self, given: Range | None) -> None:
-        if given is not None:
-            why = [name for name in _ANYWHERE if getattr(self, name) is not None]
-            raise InputError(
-                f"eta_hat: is for passages that start at the vertical beside the falling set, and "
-                f"{why[0] if why else 'box with phi or sigma4'} gives states elsewhere; leave one out"
-            )
-
-    def observe(self, block: Block) -> Table:
-        """A row for each approach to flat of each state."""
-        found = bounces(block.states, self.rows, self.accuracy, method=self.plan.method)
-        results = motion_constants(found) | {name: getattr(found, name) for name in (*_OF_BOUNCE, "status")}
-        table = {name: values.ravel() for name, values in results.items()}
-        return block.at(np.repeat(np.arange(len(block.states)), self.rows)).with_results(table)
-
-    def summarise(self, tally: RaceCounts) -> dict[str, Any]:
-        states = self.states_among(tally.status)
-        of_states = {"valid_states": states, "approaches": states * self.rows, "without_race": tally.without_race}
-        return super().summarise(tally) | of_states
-
-
-def _anywhere(given: dict[str, Any]) -> bool:
-    """Whether options mean states anywhere in the phase space."""
-    box = given.get("box")
-    ranges = {} if box is None else read_ranges("box", box)
-    return any(given.get(name) is not None for name in _ANYWHERE) or not set(ranges) <= {"phidot", "sigma3"}
 
 
 def _mean(tally: RaceCounts, groups: list[int]) -> float:

@@ -18,15 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, RunError, one_of, shown
-from explorer.measure import statistics
 from explorer.measure.sampling import Stream, chunk_stream
-from explorer.measure.tallies import ByName, Tally
+from explorer.measure.tallies import ADD_UP, ByName, Tally, adds_up, count_status
 from explorer.motion.plan import METHODS, Plan, plan
 from explorer.motion.reference_samples import ReferenceSamples
 from explorer.phase.columns import Column
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.paths import read_toml
-from explorer.scenes.options import DISK, NUMBER, Options, option, whole_from, word_of
+from explorer.scenes.options import DISK, NUMBER, Options, option, own_options, whole_from, word_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -200,8 +199,13 @@ class SampledScene(Scene):
             table = self.observe(block)
             if "status" not in table:
                 raise RunError(f"{self.name}: `observe` gives no column `status`; give one code for each sample")
+            if len({len(values) for values in table.values()}) > 1:
+                lengths = ", ".join(f"{name} {len(values)}" for name, values in table.items())
+                raise RunError(
+                    f"{self.name}: `observe` gives columns of several lengths ({lengths}); give one row each"
+                )
             table["status"] = table["status"].astype(np.int8, copy=False)
-            tally.status += statistics.count_status([table["status"][:: self.rows]])
+            tally.status += count_status(table["status"][:: self.rows])
             self.count(tally, table)
             kept.append(self.kept(table))
         return joined(kept), tally
@@ -234,6 +238,7 @@ def joined(tables: Sequence[Table]) -> Table:
 # Each is a file and a class of this name: race-angles is RaceAngles in race_angles.py.
 NAMES = ("falling-set", "measure-zero", "one-sided", "portrait", "race-angles")
 _own: dict[str, type[Scene]] = {}
+_OFFERS = "a scene offers draw(random, count), observe(drawn), and mostly count(tally, table) and summarise(tally)"
 
 
 def register(scene: K) -> K:
@@ -280,12 +285,36 @@ def register(scene: K) -> K:
     0.5
     """
     if not (isinstance(scene, type) and issubclass(scene, Scene)):
-        raise InputError(f"scene = {shown(scene)} is no scene; derive one from explorer.scenes.scene.SampledScene")
-    if scene.name in NAMES and not scene.__module__.startswith("explorer."):
-        raise InputError(f"scene = {scene.__name__}: {scene.name!r} is a scene of nearflat; give another name")
-    if scene.name not in NAMES:
+        raise InputError(f"scene = {shown(scene)} is no scene; derive one from explorer.scenes.SampledScene")
+    if not scene.__module__.startswith("explorer."):
+        fault = _fault_of(scene)
+        if fault:
+            raise InputError(f"scene {scene.__name__}: {fault}")
         _own[scene.name] = scene
     return scene
+
+
+def _fault_of(kind: type[Scene]) -> str:
+    """What is wrong with the declarations of a user's scene; empty where all is well."""
+    if kind.name in NAMES:
+        return f"{kind.name!r} is a scene of nearflat; give another name"
+    lacking = set(kind.__abstractmethods__)
+    if issubclass(kind, SampledScene) and kind.chunk is SampledScene.chunk:
+        lacking |= {"observe"} if kind.observe is SampledScene.observe else set()
+        lacking |= {"draw"} if (kind.draw, kind.blocks) == (SampledScene.draw, SampledScene.blocks) else set()
+    if lacking:
+        return f"has no method {', '.join(sorted(lacking))}; {_OFFERS}"
+    taken = [each.name for each in own_options(kind) if hasattr(SampledScene, each.name)]
+    if taken:
+        return f"{taken[0]} is the name of something that every scene has; call your option otherwise"
+    tally: Any = kind.tally
+    if not (isinstance(tally, type) and issubclass(tally, Counts)):
+        return f"tally = {shown(tally)}; give a class derived from explorer.scenes.Counts"
+    for name, what in tally.kinds.items():
+        if not adds_up(what):
+            told = getattr(what, "__name__", what)
+            return f"{tally.__name__} declares {name} as {told}, which does not add up; declare {ADD_UP}"
+    return ""
 
 
 def scene_class(name: Any) -> type[Scene]:

@@ -15,7 +15,7 @@ from explorer.motion.reference_samples import ReferenceSamples, through_time
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.states import Array, States
 from explorer.scenes.given_states import Block, GivenStates, coordinates_of
-from explorer.scenes.options import DENSITY, DISK, OPEN_RANGE, RANGES, TRUTH, Reader, option
+from explorer.scenes.options import DENSITY, DISK, GAUSSIANS, OPEN_RANGE, RANGES, TRUTH, Reader, option
 from explorer.scenes.scene import SAMPLES, SampledScene, Table
 
 _LOOKED_AT = 1_000_000  # rows of given states, when those are named that are none
@@ -38,7 +38,7 @@ class FromDensity(SampledScene):
         "only states with an energy in this range, in the units of the disk; :HIGH and LOW: leave one end open",
     )
     gaussian: dict[str, Range] | None = option(
-        RANGES,
+        GAUSSIANS,
         'coordinates drawn from a Gaussian that the box cuts off: "phidot=MEAN:DEVIATION,..", in the units of the '
         "disk",
         follows=lambda self, given: given and in_radians(given, self.degrees),
@@ -104,7 +104,7 @@ class FromStates(FromDensity):
         "phidot, sigma3, sigma4; or phidot, sigma3_bar, eta_hat; all other columns go on into the results",
     )
 
-    block: ClassVar[int] = 1 << 14  # states: intermediate arrays stay in a processor's cache
+    states_at_once: ClassVar[int] = 1 << 14  # intermediate arrays stay in a processor's cache
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -135,8 +135,8 @@ class FromStates(FromDensity):
         given = None
         if self.states is not None:
             given = self.states.read(self.disk, index * self.chunk_size, count, self.degrees)
-        for first in range(0, count, self.block):
-            size = min(self.block, count - first)
+        for first in range(0, count, self.states_at_once):
+            size = min(self.states_at_once, count - first)
             if given is not None:
                 yield given.at(np.arange(first, first + size))
             else:

@@ -27,6 +27,8 @@ BAD = [  # one for each reader
     (["run", "race-angles", "--method", "euler"], "method 'euler'"),
     (["run", "race-angles", "--scheduler", "tcp://127.0.0.1:1"], "scheduler tcp"),
     (["run", "race-angles", "--chunk-size", "0"], "chunk_size = 0"),
+    (["run", "race-angle", "--samples", "10"], "did you mean 'race-angles'"),
+    (["run", "falling-set", "--disk", "hoop", "--disk", "uniform"], "disk: is given twice"),
     (["verify", "nowhere"], "there is no such folder"),
     (["run", "missing.toml"], "cannot be read"),
     (["run"], "SCENE"),

@@ -7,7 +7,7 @@ from scipy.stats import kstest
 
 import explorer as ex
 from explorer.measure.density import Density
-from explorer.measure.sampling import Box, box_of, chunk_stream, log_uniform, parse_ranges
+from explorer.measure.sampling import Box, box_of, chunk_stream, log_uniform, read_ranges
 from explorer.phase.states import phi_to_states
 
 UNIFORM = BODIES["uniform"]
@@ -70,11 +70,11 @@ def test_an_energy_below_the_whole_box_is_refused_in_words():
 )
 def test_boxes_that_make_no_sense_are_refused_by_name(text, message):
     with pytest.raises(ex.InputError, match=message):
-        box_of(UNIFORM, parse_ranges(text, "box"))
+        box_of(UNIFORM, read_ranges("box", text))
 
 
 def test_what_a_box_leaves_out_keeps_its_default():
-    box = box_of(UNIFORM, parse_ranges("phidot=1", "box"))
+    box = box_of(UNIFORM, read_ranges("box", "phidot=1"))
     assert box.phidot == (1.0, 1.0)
     assert box.sigma3 == (-2.0, 2.0)
     coin = BODIES["coin"]

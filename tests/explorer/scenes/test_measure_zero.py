@@ -216,7 +216,7 @@ def test_options_come_back_from_json():
         ({"box": "sigma3=1e300:2e300"}, "rates beyond"),
         ({"disk": "m=1,r=1,g=1,I1=1,I3=1e-6"}, "too steep"),
         ({"density": lambda phi, *_: np.random.default_rng().random(phi.size)}, "call to call"),
-        ({"ladder": (-1.5, 0.3)}, "within 1e-100:1"),
+        ({"ladder": (-1.5, 0.3)}, "with 1e-100 <= LOW"),
         ({"tube": 1}, "tube"),
         ({"tube": 20, "sampling": "sobol"}, "16 scrambles"),
         ({"sampling": "halton"}, "sampling"),

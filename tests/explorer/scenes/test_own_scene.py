@@ -9,7 +9,7 @@ import pytest
 from told import said
 
 import explorer as ex
-from explorer.scenes import Counts, SampledScene
+from explorer.scenes import NUMBER, Counts, SampledScene, option
 from explorer.scenes import scene as scenes
 
 EXAMPLE = f"{Path(__file__).parents[3] / 'docs' / 'examples' / 'own_scene.py'}:Periods"
@@ -58,7 +58,6 @@ def test_its_folder_remembers_where_it_came_from(capsys, tmp_path, monkeypatch):
     assert (summary["speed"], summary["known"]) == (2.0, 1000)
     monkeypatch.setattr(scenes, "_own", {})
     sys.modules.pop("own_scene")
-    assert said(capsys, "status", folder)[0] == 0
     (chunk,) = (folder / "chunks").glob("*.parquet")
     chunk.unlink()
     assert said(capsys, "verify", folder)[0] == 1
@@ -66,6 +65,22 @@ def test_its_folder_remembers_where_it_came_from(capsys, tmp_path, monkeypatch):
     assert json.loads((folder / "summary.json").read_text()) == summary
     field = ex.open(folder).arrow().schema.field("period")
     assert field.metadata[b"unit"] == b"time"
+
+
+def test_status_and_verify_do_without_its_file_and_say_where_it_was_changed(capsys, tmp_path):
+    file, folder = tmp_path / "own_scene.py", tmp_path / "run"
+    file.write_text(Path(EXAMPLE.removesuffix(":Periods")).read_text())
+    assert said(capsys, "run", f"{file}:Periods", "--samples", "100", "--out", folder, "--no-figures")[0] == 0
+    moved = file.rename(tmp_path / "moved.py")
+    assert said(capsys, "status", folder)[0] == 0
+    assert said(capsys, "verify", folder)[:2] == (0, "intact\n")
+    file.write_text(moved.read_text() + "raise SystemExit('nobody runs this')\n")
+    status, out, _ = said(capsys, "verify", folder)
+    assert status == 1
+    assert out.strip() == (
+        f"run.json: {file}:Periods was changed since; put that file back as it was to resume the run, or replace "
+        "the run"
+    )
 
 
 def test_it_may_be_named_in_a_scene_file_with_its_own_options(capsys, tmp_path):
@@ -126,6 +141,45 @@ def test_a_class_is_a_scene_of_python_and_its_runs_add_up():
     assert ex.run("coins", samples=3000, seed=1, chunk_size=700).summary["share"] == runs[0].summary["share"]
 
 
+class DictCounts(Counts):
+    faces: dict
+
+
+class WithoutDraw(SampledScene):
+    observe = Coins.observe
+
+
+class WithDict(Coins):
+    tally = DictCounts
+
+
+class WithoutTally(Coins):
+    tally = dict
+
+
+class Seeded(Coins):
+    seed: float = option(NUMBER, "a seed of its own", default=1.0)
+
+
+class Parallel(Coins):
+    jobs: float = option(NUMBER, "jobs of its own", default=1.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "message"),
+    [
+        (WithoutDraw, r"WithoutDraw: has no method draw; a scene offers draw\(random, count\)"),
+        (WithDict, r"DictCounts declares faces as dict, which does not add up; declare int, .*ByName"),
+        (WithoutTally, "give a class derived from explorer.scenes.Counts"),
+        (Seeded, "seed is the name of something that every scene has"),
+        (Parallel, "jobs is a setting of runs"),
+    ],
+)
+def test_a_wrong_declaration_is_refused_in_a_sentence(kind, message):
+    with pytest.raises(ex.InputError, match=message):
+        ex.run(kind, samples=10)
+
+
 def test_statuses_and_numbers_of_any_kind_can_be_stored(tmp_path):
     class Odd(Coins):
         def observe(self, drawn):
@@ -147,3 +201,12 @@ def test_a_table_without_a_status_is_refused_in_a_sentence():
 
     with pytest.raises(ex.RunError, match="silent: `observe` gives no column `status`"):
         ex.run(Silent, samples=100)
+
+
+def test_columns_of_several_lengths_are_refused_with_their_lengths():
+    class Short(Coins):
+        def observe(self, drawn):
+            return {**super().observe(drawn), "less": drawn["heads"][:-1]}
+
+    with pytest.raises(ex.RunError, match=r"columns of several lengths \(heads 100, status 100, less 99\)"):
+        ex.run(Short, samples=100)

@@ -10,7 +10,7 @@ from scipy.stats import kstest
 import explorer as ex
 from explorer.measure.sampling import chunk_stream
 from explorer.scenes.falling_set import FallingSet
-from explorer.scenes.race_angles import Bounces, Passages, RaceAngles
+from explorer.scenes.race_angles import RaceAngles
 from explorer.scenes.scene import scene_of
 from explorer.scenes.starts import BoxNearF, check_eta_hat
 
@@ -169,7 +169,7 @@ def test_where_no_row_is_a_state_the_run_says_so(kind, options, message):
 def test_what_has_no_tilt_says_where_to_ask():
     with pytest.raises(ex.InputError, match="probability takes distributions of other"):
         ex.run("measure-zero", **CLOUD)
-    with pytest.raises(ex.InputError, match="degrees: is for states in all of the phase space"):
+    with pytest.raises(ex.InputError, match="degrees: is for start anywhere"):
         RaceAngles(degrees=True)
 
 
@@ -209,11 +209,30 @@ def test_distances_that_are_no_longer_near_f_are_refused(span):
         check_eta_hat(span, BODIES["hoop"])
 
 
-@pytest.mark.parametrize("options", [{"bounces": 1}, {"states": GIVEN}, {"box": {"sigma4": 0.0}}])
+def test_a_default_that_is_said_changes_nothing_about_where_motions_start():
+    said = ex.run("race-angles", samples=500, bounces=1, start="near").summary
+    assert said == ex.run("race-angles", samples=500, box="phidot=0.5:2").summary
+    assert (said["start"], said["bounces"]) == ("near", 1)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"start": "near", "states": GIVEN}, "states: is for start anywhere"),
+        ({"start": "near", "box": {"sigma4": 0.0}}, "box sigma4"),
+        ({"start": "anywhere", "eta_hat": "1e-3:1e-2"}, "eta_hat: is for start near"),
+        ({"bounces": 2}, "bounces 2: .* give start anywhere"),
+    ],
+)
+def test_what_belongs_to_the_other_start_is_refused(options, message):
+    with pytest.raises(ex.InputError, match=message):
+        RaceAngles(**options)
+
+
+@pytest.mark.parametrize("options", [{"start": "anywhere"}, {"states": GIVEN}, {"box": {"sigma4": 0.0}}])
 def test_race_angles_are_of_bounces_where_states_may_be_anywhere(options):
-    assert type(RaceAngles(**options)) is type(RaceAngles.of(options)) is Bounces
-    assert type(RaceAngles(box="phidot=1", samples=3)) is Passages
-    with pytest.raises(ex.InputError, match="leave one out"):
+    assert RaceAngles(**options).start == "anywhere"
+    with pytest.raises(ex.InputError, match="leave one of them out"):
         RaceAngles(**options, eta_hat="1e-3:1e-2")
     exact, found = (rows_of(RaceAngles(**{"samples": 7} | options, method=by)) for by in ("auto", "rk4"))
     np.testing.assert_allclose(found["delta_chi"], exact["delta_chi"], atol=1e-5)
