@@ -10,7 +10,7 @@ import { CLOCK, stateAt, turningState } from "./physics.js";
 import { Player, mayMove } from "./player.js";
 import { Ruler } from "./ruler.js";
 import { Scene } from "./scene.js";
-import { AROUND, SCENES } from "./scenes.js";
+import { HALF_RACE, SCENES } from "./scenes.js";
 import { Store } from "./state.js";
 
 const COMMON = { disk: "uniform", sigma3_bar: 0, phidot: 1, eta_hat: 0 };
@@ -78,7 +78,8 @@ class Figure {
   slid() {
     const { declared, player } = this, value = Number(this.slider.value);
     if (declared.changes) this.store.set(declared.changes(value));
-    const again = declared.rest === "start" && (player.running || mayMove());
+    const falls = declared.rest === "start" || (declared.sides && !this.store.shown.eta_hat);
+    const again = falls && (player.running || mayMove());
     player.seek(again ? 0 : this.restingClock());
     player.running = again;
     this.stale = true;
@@ -117,7 +118,7 @@ class Figure {
     this.stale = false;
     const { store, player, look, declared } = this;
     this.state = stateAt(store.main, CLOCK, player.clock);
-    const parted = this.both && player.clock > turningState(store.main, 0)[CLOCK] - 0.5 * AROUND;
+    const parted = this.both && player.clock > turningState(store.main, 0)[CLOCK] - 0.5 * HALF_RACE;
     const other = parted ? stateAt(store.other, CLOCK, player.clock) : null; // until the race both are one
     [this.race] = this.scene.draw([this.state, other], look);
     this.ruler?.draw(this.state, look);

@@ -2,9 +2,9 @@
 
 import { A1, A2, CHI, PSI, Q, Z } from "./physics.js";
 
-const AROUND = 72;
+const CORNERS = 72; // of the polygon that a rim is drawn as
 const THICKNESS = 0.085;
-const TURNS = Array.from({ length: AROUND + 1 }, (_, n) => (2 * Math.PI * n) / AROUND);
+const TURNS = Array.from({ length: CORNERS + 1 }, (_, n) => (2 * Math.PI * n) / CORNERS);
 const COSINES = TURNS.map(Math.cos);
 const SINES = TURNS.map(Math.sin);
 // A lamp has a size: shadows from several of its points make the edge soft where the rim is high above the table.
@@ -76,7 +76,7 @@ const shade = (normal, lamp) => normal[0] * lamp[0] + normal[1] * lamp[1] + norm
 
 /** The band of the rim (outward) or the wall of the hole (inward), the part that is seen. */
 function drawBand(context, camera, pose, radius, outward, colour, lamp) {
-  for (let n = 0; n < AROUND; n++) {
+  for (let n = 0; n < CORNERS; n++) {
     const cosine = 0.5 * (COSINES[n] + COSINES[n + 1]), sine = 0.5 * (SINES[n] + SINES[n + 1]);
     const normal = [0, 1, 2].map((i) => outward * (cosine * pose.down[i] + sine * pose.along[i]));
     const middle = spot(pose, radius, cosine, sine, 0.5 * (pose.low + pose.high));

@@ -143,7 +143,7 @@ class Page {
 }
 
 const data = JSON.parse($("start").textContent);
-$("note").textContent = data.note && ` · ${data.note}`;
+$("note").textContent = data.note;
 const page = new Page(data);
 page.run();
 window.nearflat = page;

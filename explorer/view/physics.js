@@ -27,7 +27,7 @@ export const RACE_RATE = 4;
 // Of 1/speed. Steps of Dormand and Prince of this length leave errors of some 1e-7 rad per passage.
 const STEP = 0.08;
 const MOST_STEPS = 60000;
-const FLAT = 1e-6; // rad of tilt at which a fall on F ends: it comes ever nearer
+export const FLAT = 1e-6; // rad of tilt at which a fall on F ends: flat within another 1e-6 of time
 const MOST_CLOCK = 120; // a disk that stands still would stand for ever
 // Share of the energy below which p is left alone when the energy is set right: it is close to a turning point.
 const MOVING = 0.01;

@@ -107,6 +107,7 @@ export class ConstantsPlane {
       text(context, label, box.left - 5, this.toPixel(-end, v)[1], look.soft, "right");
     }
     text(context, "σ̄₄", 4, box.top - 11, look.ink);
+    text(context, "stretched near F", 4, box.bottom + 20, look.ink, "left", "top");
     text(context, "σ̄₃ in √(g/r)", box.right, box.bottom + 20, look.ink, "right", "top");
     text(context, "drag the dot: on F it falls flat", box.right, box.top - 11, look.ink, "right");
     const { face } = this.shown;

@@ -9,15 +9,15 @@ const SHOWN_SLOWED = 1.5;
 /** The numbers of the motion that is shown; they change only with it. */
 export function showNumbers(store) {
   const n = store.numbers;
-  $("race").textContent = n.told || format(n.race_angle, 8, true);
+  $("race").textContent = n.told || format(n.race_angle, 4, true);
   $("told").textContent = n.told;
   const side = { 1: "+", [-1]: "−", 0: "±" }[Math.sign(n.limit)];
-  $("limit").textContent = `${side}κπ = ${side}${format(store.body.kappa * Math.PI, 8)}`;
-  $("theta-min").textContent = format(n.theta_min, 7);
+  $("limit").textContent = `${side}κπ = ${side}${format(store.body.kappa * Math.PI, 4)}`;
+  $("theta-min").textContent = format(n.theta_min, 3);
   $("theta-size").textContent = thickness(n.theta_min);
-  $("normal").textContent = format(n.min_normal_force, 4);
+  $("normal").textContent = format(n.min_normal_force, 3);
   $("lift").textContent = n.min_normal_force < 0 ? "a real disk would lift off" : "";
-  $("friction").textContent = format(n.max_friction, 4);
+  $("friction").textContent = format(n.max_friction, 3);
   const most = n.max_friction;
   $("friction-words").textContent = most === Infinity ? "none is enough" : most > 1 ? "more than rubber has" : "";
 }

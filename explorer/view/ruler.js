@@ -2,11 +2,11 @@
 
 import { Chart, dot, line, text } from "./chart.js";
 import { point } from "./passage.js";
-import { Q, energy } from "./physics.js";
+import { FLAT, Q, energy } from "./physics.js";
 import { RADIUS } from "./scenes.js";
 
 const WIDTH = 2 * RADIUS; // m
-const LEAST = -17, MOST = -1; // powers of ten of metres
+const LEAST = -18, MOST = -1; // powers of ten of metres
 const THINGS = [[1e-14, "nucleus"], [2e-10, "atom"], [7e-5, "hair"]];
 const UNITS = [[-15, "1 fm"], [-12, "1 pm"], [-9, "1 nm"], [-6, "1 µm"], [-3, "1 mm"]];
 const HIGHEST = 1.35; // of the plot of the wall, in energies of the disk
@@ -85,16 +85,22 @@ export class Ruler {
     line(context, curve, look.sideColours[0], 2.5);
     context.restore();
     line(context, [[box.left, this.y(1)], [box.right, this.y(1)]], look.soft, 1, [5, 4]);
-    text(context, "energy that it takes to be there", box.left + 6, box.top + 12, look.soft);
-    text(context, "its energy", box.right - 4, this.y(1) - 9, look.soft, "right");
+    // The words stand on the hill, or where that is too narrow beside it.
+    const taken = "energy it would take", wall = Number.isFinite(this.lowest) ? this.x(this.lowest) : NaN;
+    const from = wall - box.left < context.measureText(taken).width + 16 ? wall + 8 : box.left + 8;
+    if (wall) text(context, taken, from, this.y(1) - 10, look.soft);
+    text(context, "energy it has", from, this.y(1) + 10, look.soft);
   }
 
   drawNow(context, state, look) {
-    const { box } = this.chart, place = Math.log10(WIDTH * state[Q]);
+    const { box } = this.chart;
+    const flat = !this.motion.eta && state[Q] < FLAT; // the fall on F is over, past all marks
+    const place = flat ? LEAST : Math.log10(WIDTH * state[Q]);
     if (!this.wall && Number.isFinite(this.lowest)) {
       line(context, [[this.x(this.lowest), box.bottom], [box.right, box.bottom]], look.sideColours[0], 5);
     }
     const height = this.wall ? this.y(this.height(state[Q])) : box.bottom;
     dot(context, this.x(place), height, 7, look.sideColours[0], look.paper);
+    if (flat) text(context, "past all marks: flat", this.x(place) + 12, height - 14, look.ink);
   }
 }

@@ -15,7 +15,7 @@ const FOLLOW = 0.36;
 const CATCH_UP = 0.075;
 const LONGEST_FRAME = 0.25; // s: after a pause the camera goes on, rather than jump
 // What the camera keeps in sight: both disks and this much around them.
-const AROUND = 1.85;
+const ROOM = 1.85;
 
 /** The path of the contact point as places on the table with the times of the clock. */
 export function trailOf(path) {
@@ -107,7 +107,7 @@ export class Scene {
     const apart = 0.5 * Math.hypot(a[0] - b[0], a[1] - b[1]);
     // The disk is nearly flat for a while and upright for a while; the aim is between.
     const z = 0.1 + 0.4 * (a[2] + b[2]);
-    const aim = { x: 0.5 * (a[0] + b[0]), y: 0.5 * (a[1] + b[1]), z, radius: AROUND + 0.75 * apart };
+    const aim = { x: 0.5 * (a[0] + b[0]), y: 0.5 * (a[1] + b[1]), z, radius: ROOM + 0.75 * apart };
     this.camera.follow(aim, share(FOLLOW));
   }
 

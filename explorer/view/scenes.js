@@ -5,7 +5,8 @@
 // start    the motion, where it differs from the common one: a uniform disk, upright, pushed over, without rolling
 // slider   what the slider is called; range: least, largest, step and first value
 // changes  what the slider's value sets of the motion; where there is none it moves time through span(path)
-// rest     what is shown while the slider moves: the "start", from where the disk falls, "flat" or (else) risen
+// rest     what is shown while the slider moves: the "start", from where the disk falls (and always does on F),
+//          "flat" or (else) risen
 // value    what stands beside the slider; says: what stands under the picture
 // and what the picture has: plot (a ruler, with the wall or without), camera, aim and table, posed (nothing moves),
 // plain (no colour of a side), bare (no mark at the contact), trail (of the contact), sides (the slider crosses F),
@@ -21,13 +22,14 @@ const GRAVITY = 9.81;
 const SPEED = Math.sqrt(GRAVITY * RADIUS); // m/s, of 1 in natural units
 const SECONDS = Math.sqrt(RADIUS / GRAVITY);
 const DEGREES = 180 / Math.PI;
-export const AROUND = 1.5; // of the clock, before and after the lowest point: all of the race
+export const HALF_RACE = 1.5; // of the clock, before and after the lowest point: all of the race
 
 const last = (path) => path.states[path.states.length - 1];
 /** The height of the far edge above the table, m. */
 const edge = (x) => 2 * RADIUS * x[Q];
 const turns = (angle) => `${(Math.abs(angle) / (2 * Math.PI)).toFixed(2)} turns`;
 const nearest = ({ store }) => 2 * RADIUS * Math.sin(store.numbers.theta_min);
+const fallTime = ({ store }) => (SECONDS * last(store.main)[T]).toFixed(3);
 const speed = ({ store }) => `${lengthWords(SPEED * Math.abs(store.shown.eta_hat))}/s`;
 const rolling = (figure) => {
   const { eta_hat } = figure.store.shown;
@@ -62,7 +64,7 @@ export const SCENES = [
     slider: "push, at its upper edge", range: [0.3, 3, 0.1, 1.2],
     changes: (push) => ({ phidot: push / (2 * SPEED) }),
     value: ({ slider }) => `${Number(slider.value).toFixed(1)} m/s`,
-    says: ({ store }) => `Flat after ${(SECONDS * last(store.main)[T]).toFixed(3)} seconds.`,
+    says: (figure) => `Flat after ${fallTime(figure)} seconds.`,
   },
   {
     name: "rise", shows: "A coin that rolls a little falls, and stands up again.", rest: "start",
@@ -82,7 +84,7 @@ export const SCENES = [
     name: "slow-motion", shows: "The point of contact races round the rim of the coin, which lies almost flat.",
     start: { eta_hat: 1e-3 }, camera: { elevation: 0.95 }, aim: { z: 0.1, radius: 1.9 },
     slider: "time", range: [0, 1, 0.002, 0.6],
-    span: (path) => [-1, 1].map((side) => turningState(path, 0)[CLOCK] + side * AROUND),
+    span: (path) => [-1, 1].map((side) => turningState(path, 0)[CLOCK] + side * HALF_RACE),
     value: ({ state, store }) => `tilt ${(tiltOf(state, store.shown.face) * DEGREES).toFixed(2)}°`,
     says: ({ race, state }) => `The point of contact has raced ${turns(race.turned)}. `
       + (slowing(state) < 1.5 ? "Time is not slowed." : `Time is slowed ${Math.round(slowing(state))} times.`),
@@ -104,6 +106,6 @@ export const SCENES = [
     value: rolling,
     says: (figure) => (figure.store.shown.eta_hat
       ? `The wall turns it back at ${lengthWords(nearest(figure))} under the far edge.`
-      : "On F there is no wall."),
+      : `On F there is no wall: after ${fallTime(figure)} seconds the coin lies flat.`),
   },
 ];

@@ -128,13 +128,19 @@ def test_the_contact_goes_round_while_the_coin_hardly_turns(article):
     assert under == f"The coin itself has turned by {round(360 * (1 - np.cos(np.radians(25))))}°."
 
 
+def seconds_in(text):
+    return float(re.search(r"[\d.]+(?= seconds)", text)[0])
+
+
+def time_of_fall(phidot):
+    """Half of the passage close beside the fall."""
+    return ex.passages(COIN, 0.0, 1e-9 * COIN.rate_unit, phidot).duration.item() / 2
+
+
 @pytest.mark.parametrize("push", [0.3, 1.2, 3.0])
 def test_the_time_of_the_fall_is_pythons(article, push):
     _, under = slide(article, "fall", push)
-    beside_f = ex.passages(COIN, 0.0, 1e-9 * COIN.rate_unit, push / 0.1)
-    assert float(re.search(r"[\d.]+(?= seconds)", under)[0]) == pytest.approx(
-        beside_f.duration.item() / 2, abs=6e-4
-    )
+    assert seconds_in(under) == pytest.approx(time_of_fall(push / 0.1), abs=6e-4)
 
 
 @pytest.mark.parametrize("speed", [1.0, 6.0, 20.0])
@@ -173,8 +179,26 @@ def test_each_side_of_f_races_and_turns_back_as_in_python(article, place):
 
 def test_on_f_the_coin_falls_flat_and_there_is_no_wall(article):
     assert slide(article, "sides", 0) == ["not at all: F", "On F it falls flat. What comes next, nobody can tell."]
-    assert article.evaluate(f"{figure('sides')}.state[0]") < 1e-5
-    assert slide(article, "wall", 0)[1] == "On F there is no wall."
+    assert article.evaluate(f"{figure('sides')}.player.running")
+    until(article, f"{figure('sides')}.state[0] < 1e-5")
+    _, under = slide(article, "wall", 0)
+    assert under.startswith("On F there is no wall: ")
+    assert seconds_in(under) == pytest.approx(time_of_fall(PUSH), abs=6e-4)
+
+
+def test_on_f_the_marble_has_left_the_ruler_when_the_coin_is_flat(article):
+    slide(article, "wall", 0)
+    at_the_edge = article.evaluate(f"""(() => {{
+        const f = {figure("wall")}, {{ canvas, box }} = f.ruler.chart, context = canvas.getContext("2d");
+        const ratio = canvas.width / canvas.clientWidth;
+        return [0, 0.9, 1].map(share => {{
+            f.player.running = false;
+            f.player.seek(share * f.player.end);
+            f.draw();
+            return context.getImageData(ratio * box.left, ratio * (box.bottom - 4), 1, 1).data[3];
+        }});
+    }})()""")
+    assert at_the_edge == [0, 0, 255]
 
 
 def test_right_and_left_are_those_of_the_picture(article):

@@ -135,8 +135,8 @@ def test_readouts_are_the_numbers_of_python(page, state):
     assert numbers["race_angle"] == pytest.approx(passages.race_angle[0], abs=1e-6)
     assert numbers["limit"] == pytest.approx(passages.limit[0], rel=1e-12)
     assert numbers["theta_min"] == pytest.approx(passages.theta_min[0], rel=1e-6)
-    assert number_in(written(page, "race")) == pytest.approx(passages.race_angle[0], abs=1e-6)
-    assert number_in(written(page, "theta-min")) == pytest.approx(passages.theta_min[0], rel=1e-6)
+    assert number_in(written(page, "race")) == pytest.approx(passages.race_angle[0], rel=0.5e-3)
+    assert number_in(written(page, "theta-min")) == pytest.approx(passages.theta_min[0], rel=0.5e-2)
 
 
 def test_both_sides_end_a_race_apart(page):

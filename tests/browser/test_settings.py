@@ -19,7 +19,8 @@ SETTINGS = list(
         (-3.0, -1.0, -0.1, -0.01, 0.0, 0.01, 0.1, 1.0, 3.0),
     )
 )
-TAKEN = SETTINGS[3 :: int(os.environ.get("NEARFLAT_SETTINGS", "10"))]
+EVERY = int(os.environ.get("NEARFLAT_SETTINGS", "10"))
+TAKEN = SETTINGS[3 % EVERY :: EVERY]
 NAMES = ("disk", "sigma3_bar", "eta_hat", "phidot")
 SET = """rows => rows.map(row => {
     nearflat.store.set(row);
@@ -68,8 +69,9 @@ def test_every_setting_has_the_numbers_of_python_or_a_sentence(page):
                 friction = np.inf if numbers["max_friction"] is None else numbers["max_friction"]
                 assert friction == pytest.approx(most, rel=1e-6), setting
         if this[0]:
-            assert number_in(said["race"]) == pytest.approx(this[1], abs=1e-6), setting
-            assert number_in(said["thetaMin"]) == pytest.approx(this[2], rel=1e-6), setting
+            # Written with four and with three digits.
+            assert number_in(said["race"]) == pytest.approx(this[1], rel=0.5e-3), setting
+            assert number_in(said["thetaMin"]) == pytest.approx(this[2], rel=0.5e-2), setting
         else:
             assert said["race"] == said["told"], setting
             assert not any(letter.isdigit() for letter in said["race"].translate(DIGITS)), setting
