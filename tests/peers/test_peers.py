@@ -159,3 +159,10 @@ def test_the_picture_names_what_it_draws_and_leaves_out_wrong_races():
     assert "heyoka batch" not in [line.get_label() for line in below.lines]
     (heyoka,) = (line for line in above.lines if line.get_label() == "heyoka batch")
     assert heyoka.get_xdata().max() < 1.0
+
+
+def test_the_titles_of_the_picture_compare_with_the_fastest_of_all_peers():
+    hidden = row("a peer that is not drawn, plain", 1e-8, PEER, 1e-7, 2000.0)
+    above, below = figure.draw([*ROWS, hidden]).axes
+    assert "1.5 times as fast" in above.get_title()
+    assert "times" not in below.get_title()
