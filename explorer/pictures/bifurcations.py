@@ -115,9 +115,10 @@ def bifurcation_of_energies(
     branches = bifurcation(disk, path, parameter)
     floor = least_energies(disk, path, parameter, branches)
     top, falling = 1.12 * max(energy for _, energy in places), path == "line"
+    below = -0.05 * top  # V_0 is hardly above 0: it and the ground below it are seen
     ground = FALLS if falling else BOUNCES
     ax.fill_between(parameter, floor, top, color=ground, lw=0, zorder=0)
-    ax.fill_between(parameter, 0.0, floor, fc="white", ec="0.8", hatch="//", lw=0, zorder=0)
+    ax.fill_between(parameter, below, floor, fc="white", ec="0.8", hatch="//", lw=0, zorder=0)
     low, high = _along(parameter, branches, CENTRE, np.fmin), _along(parameter, branches, SADDLE, np.fmax)
     both = np.isfinite(low) & np.isfinite(high)
     ax.fill_between(parameter[both], low[both], high[both], color=UNSTABLE, lw=0, zorder=1)
@@ -136,7 +137,7 @@ def bifurcation_of_energies(
         middle: dict[str, Any] = {"ha": "center", "va": "center_baseline"}
         ax.text(*place, _letter(number), fontweight="bold", fontsize=SMALL, zorder=6, **middle)
     ax.set_xlim(0.0, 1.45 * threshold)
-    ax.set_ylim(0.0, top)
+    ax.set_ylim(below, top)
     parts = (
         Patch(fc=UNSTABLE, ec=DARK, label="a well, or a fall" if falling else "two wells"),
         Patch(fc=ground, ec=DARK, label="falls" if falling else "one well"),
@@ -152,8 +153,8 @@ def bifurcation_of_energies(
 @picture(
     Question.WHICH_MOTIONS,
     "The motions of the tilt at one place of each region of energies along a path, those of the place's energy "
-    "drawn thick. On violet ground the disk falls; elsewhere it goes to and fro, in one of two wells where there "
-    "are two and the energy is little.",
+    "drawn thick: titles say what these do. On violet ground the disk falls; elsewhere it goes to and fro, in one "
+    "of two wells where there are two and the energy is little.",
     (SIZE[0], 5.2),
     "bifurcation",
     lambda asked: [(f"regions-{path}", (asked.disk, path)) for path in _DRAWN],
@@ -174,7 +175,7 @@ def portraits_of_regions(
     fastest = 0.0
     for number, (ax, ((_, energy), potential)) in enumerate(zip(panels.ravel(), found, strict=False)):
         fastest = max(fastest, small_portrait(ax, potential, energy))
-        title = f"{_letter(number)}: {_fate(potential.components(energy))}"
+        title = f"{_letter(number)}: at this energy\n{_fate(potential.components(energy))}"
         dress(ax, "", "", title)
     for ax in panels[-1]:
         ax.set_xlabel(r"$\varphi$ (rad)", fontsize=TEXT)

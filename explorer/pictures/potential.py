@@ -291,7 +291,7 @@ def potentials(ax: Axes, several: Sequence[Potential], near_flat: bool = False) 
             _mark(ax, potential, at_energy=True, named=place == 0)
         if side == 0:
             _end_at_flat(ax, potential, near_flat)
-    ax.set_ylim(0.0, top)
+    ax.set_ylim(-0.05 * top, top)  # V_0, hardly above 0, stands clear of the axis
     legend_below(ax, ncols=2 if near_flat else 3)
     x = r"$\varphi$ (rad); flat at ±π/2"
     if near_flat:
@@ -310,7 +310,7 @@ def _end_at_flat(ax: Axes, potential: Potential, near_flat: bool) -> None:
     """Where V ends on the line: V_0."""
     at_flat = potential.at_flat(potential.face) * potential.disk.energy_unit
     if near_flat:
-        ax.axhline(at_flat, color=DARK, lw=0.8, ls=":", label=r"$V_0$, at flat")
+        ax.axhline(at_flat, color=DARK, lw=1.4, ls=":", label=r"$V_0$, at flat")
     else:
         style: dict[str, Any] = {"color": DARK, "ms": 7, "ls": "", "clip_on": False, "zorder": 6}
         ax.plot([potential.face * HALF_PI], [at_flat], marker="s", label=r"$V_0$", **style)

@@ -107,8 +107,9 @@ def wander_paths(figure: Figure, disk: Disk) -> None:
 
 @picture(
     Question.WHERE_TO,
-    "The distance of the centre from its start, against time in periods. A generic motion stays within a "
-    "bound; a resonance walks away for ever.",
+    "The distance of the centre from its start, against time in periods, with a dot at each whole period. Dots of "
+    "a generic motion stay below the dotted line, and between them it goes little further; a resonance walks away "
+    "for ever.",
     group="paths",
 )
 def wander_distance(ax: Axes, disk: Disk, count: int = 12) -> None:
@@ -123,12 +124,11 @@ def wander_distance(ax: Axes, disk: Disk, count: int = 12) -> None:
         colour, found, r = SERIES[1 + number % (len(SERIES) - 1)], path.wander, path.disk.r
         distance = np.hypot(*path.centre.T) / r
         largest = max(largest, float(distance.max()))
-        ax.plot(path.t / found.period[0], distance, color=colour, lw=0.9, label=name)
+        ax.plot(path.t / found.period[0], distance, color=colour, lw=0.9)
         ax.plot(np.arange(path.count + 1), abs(found.after(path.count)[0]) / r, ".", color=colour, ms=6)
+        ax.plot([], [], ".-", color=colour, ms=6, lw=0.9, label=f"{name}, a dot each period")
         if 2.0 * found.radius[0] / r < _BOUNDED:
-            ax.axhline(2.0 * found.radius[0] / r, color=colour, lw=1, ls=":")
-    ax.plot([], [], ".", color=DARK, label="at whole periods, from the first")
-    ax.plot([], [], color=DARK, lw=1, ls=":", label="bound of these dots")
+            ax.axhline(2.0 * found.radius[0] / r, color=colour, lw=1.4, ls=":", label=f"bound of {name} dots")
     ax.set_ylim(0.0, 1.05 * largest)
     legend_below(ax, ncols=2)
     dress(ax, "$t$ (periods)", "distance from the start (r)", "Only a resonance walks away")

@@ -25,8 +25,8 @@ CAPTION = Caption(
     "Trajectories per second of one core against their error, what a user calls here in black and other solvers "
     "in colours: above on the plain equations, as a user would write them, below on our regularised ones. Higher "
     "and further left is better. Titles compare `passages`, integrated, with the fastest of all peers where the "
-    "errors of both are at most 1e-6. The loop in C++ finds no event and is told where each motion ends. Settings at "
-    "which a contact point races the wrong way round are left out.",
+    "errors of both are at most 1e-6. The loop in C++ finds no event and is told where each motion ends. Settings "
+    "at which a contact point races the wrong way round are left out.",
 )
 
 
