@@ -81,7 +81,7 @@ def _marks(
     beside: Mapping[float, tuple[int, int]],
 ) -> None:
     """Bodies whose limits agree, those measured, and those with a name, which stands `beside` its mark."""
-    told = r"$m r^2/I_1 = l^2 - 1$: both limits agree"
+    told = r"$\kappa$ whole: both limits agree"
     ax.plot(matching, height(np.sqrt(1.0 + matching)), "D", color=SERIES[1], ms=7, label=told)
     ax.plot(x, height(measured), "o", mfc="none", mec=DARK, ms=12, label="measured near $F$")
     for ratio, name in _NAMED.items():
