@@ -33,7 +33,7 @@ def test_a_stored_chunk_and_one_in_memory_are_the_same_bytes(finished):
 def test_other_programs_read_chunks_with_units_and_meanings(finished):
     table = pq.read_table(chunk_of(finished, 0))
     assert table.schema.field("height").metadata[b"unit"] == b"length"
-    assert table.schema.field("status").metadata[b"meaning"].startswith(b"What became of the sample")
+    assert table.schema.field("status").metadata[b"meaning"].startswith(b"Outcome of the sample")
     assert table.schema.field("status").type == pa.dictionary(pa.int8(), pa.string())
     assert table.to_pandas()["status"].unique().tolist() == ["ok"]
     duckdb = pytest.importorskip("duckdb")
