@@ -19,7 +19,7 @@ class Status(IntEnum):
     >>> ex.Status(7).name
     'UNRESOLVED_SIDE'
     >>> ex.Status.STEP_LIMIT.remedy
-    "Lower the accuracy (a larger `accuracy`), or leave `method` at 'auto'."
+    'Lower the accuracy (a larger `accuracy`), or try another `method`.'
     """
 
     OK = 0
@@ -58,7 +58,7 @@ _TEXTS = {
     Status.STEP_LIMIT: (
         "The limit of steps or nodes was reached before the event or the accuracy asked for: a slow start, or an "
         "equilibrium near.",
-        "Lower the accuracy (a larger `accuracy`), or leave `method` at 'auto'.",
+        "Lower the accuracy (a larger `accuracy`), or try another `method`.",
     ),
     Status.STEP_TOO_SMALL: (
         "The step size became smaller than rounding allows.",

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
+from explorer.errors import plain_number
 from explorer.phase.states import Array
 
 K = TypeVar("K")
@@ -73,6 +74,7 @@ def _made(kind: Any, *state: Any) -> Any:
 
 
 def _state_of(value: Any) -> Any:
+    value = plain_number(value)  # a sum of NumPy
     return value if isinstance(value, int | float | list) else value.state()
 
 

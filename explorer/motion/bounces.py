@@ -167,7 +167,8 @@ def motion_constants(found: Bounces) -> dict[str, NDArray[Any]]:
     ok = (found.status == compiled.status.Status.OK) & (found.face != 0)
 
     def each(values: Array) -> Array:
-        return np.broadcast_to(values.reshape(*states.shape, 1), found.shape)
+        alike = (1,) * (len(found.shape) - len(states.shape))  # bounces that are chosen have a state each
+        return np.broadcast_to(values.reshape(*states.shape, *alike), found.shape)
 
     eta = np.where(found.face > 0, each(motion.eta_plus), each(motion.eta_minus))
     speed = impact_speed(disk, motion.sigma3_bar, motion.energy)

@@ -73,7 +73,7 @@ def _from_vertical(
     with np.errstate(invalid="ignore"):  # no speed where there is no vertical: bad input, and no answer
         speed = np.sqrt(2.0 * disk.body.inv_M * ends.vertical.K[rows])
     starts = starts_at_vertical(disk, motion.sigma3_bar[rows] * unit, eta_hat * unit, speed * unit, face[rows])
-    found, _steps = by_integration(disk, starts, how)
+    found, _steps = by_integration(disk, starts, how, motion.at(rows))
     failed = found.status != compiled.status.Status.OK
     halves = (0.5 * column for column in (found.time, found.chi, found.psi))
     return *halves, np.where(failed, np.nan, found.error)

@@ -1,5 +1,7 @@
 """Passages by integration to the turning point, doubled: the second half is the first run backwards."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +11,7 @@ from explorer.motion.plan import Plan
 from explorer.motion.turning_points import turning_points
 from explorer.motion.vertical import VerticalStarts
 from explorer.phase.disk import Disk
+from explorer.phase.lines import Motion
 from explorer.phase.states import Array, States, constants_to_states
 
 # What rounding moves p by while a slow start leaves the vertical, for each unit of the rates there: some units of
@@ -17,14 +20,16 @@ _UNIT = 1e-15
 
 
 def by_integration(
-    disk: Disk, starts: VerticalStarts, how: Plan
+    disk: Disk, starts: VerticalStarts, how: Plan, known: Motion | None = None
 ) -> "tuple[compiled.races.Samples, NDArray[np.int32]]":
     """Passages from the vertical to the turning point, doubled: the second half is the first run backwards.
 
-    Also how many steps were attempted for each.
+    Also how many steps were attempted for each. known: their constants, where more digits of them are known than
+    eta_hat of the face they start towards tells of the other one.
     """
     code, face = compiled.status.Status, starts.face
     states = constants_to_states(disk, starts.sigma3_bar, starts.eta_hat, face * starts.speed, face)
+    states = states if known is None else replace(states, given=known)
     turn = turning_points(states, how, precision.amplification(starts.speed / disk.rate_unit))
     error = turn.error + rounding_at_rest(disk, starts, states, turn.time)
     status = np.where(starts.eta_hat == 0.0, code.FALLS, turn.status)

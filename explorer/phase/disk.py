@@ -25,7 +25,8 @@ Number = TypeVar("Number", float, Array)
 PRESETS = ("uniform", "hoop", "matching")
 _SCALES = ("m", "r", "g")
 SYNTAX = (
-    f"{', '.join(PRESETS)} or annulus:INNER_OVER_OUTER, each also as uniform:m=..,r=..,g=..; "
+    f"{', '.join(PRESETS)} or annulus:INNER_OVER_OUTER, each also as uniform:m=..,r=..,g=.., with "
+    "units too (m=20g,r=5cm, and g is then 9.81 m/s^2); "
     'FILE.toml; or "m=..,r=..,g=..,I1=..,I3=.."'
 )
 # Units in which quantities may be written, longer names first, each with its size in SI units.

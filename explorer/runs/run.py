@@ -338,8 +338,11 @@ class Run:
         far = self.status
         others = [f"{far.chunks_done} of {far.chunks} chunks; resume() computes the others"]
         if far.chunks_done == far.chunks:
-            others = self.scene.headline(self.summary)
-        return [f"Run of {self.scene.name}, {f'{len(self._parts)} merged' if self._parts else where}", *others]
+            scene = self._unchanged_scene
+            gone = self.changed() or ["the file of its scene is not there any more"]
+            others = scene.headline(self.summary) if scene else gone
+        name = self.parts[0].identity["options"]["scene"]
+        return [f"Run of {name}, {f'{len(self._parts)} merged' if self._parts else where}", *others]
 
     def __repr__(self) -> str:
         return "\n  ".join(self._lines())

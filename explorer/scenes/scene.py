@@ -9,6 +9,7 @@ import re
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import fields
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -189,8 +190,15 @@ class SampledScene(Scene):
 
     def blocks(self, index: int) -> Iterator[Any]:
         """What `observe` takes, block by block."""
-        drawn = self.draw(chunk_stream(self.seed, index), self.length(index))
-        for first in range(0, self.length(index), self.block):
+        count = self.length(index)
+        drawn = self.draw(chunk_stream(self.seed, index), count)
+        wrong = [name for name, values in drawn.items() if len(values) != count]
+        if wrong:
+            raise RunError(
+                f"{self.name}: `draw` gives {len(drawn[wrong[0]])} values of {wrong[0]} for {count} samples; "
+                "give one for each"
+            )
+        for first in range(0, count, self.block):
             yield {name: values[first : first + self.block] for name, values in drawn.items()}
 
     def chunk(self, index: int) -> tuple[Table, Any]:
@@ -199,10 +207,10 @@ class SampledScene(Scene):
             table = self.observe(block)
             if "status" not in table:
                 raise RunError(f"{self.name}: `observe` gives no column `status`; give one code for each sample")
-            if len({len(values) for values in table.values()}) > 1:
-                lengths = ", ".join(f"{name} {len(values)}" for name, values in table.items())
+            if {np.shape(values) for values in table.values()} != {(np.size(table["status"]),)}:
+                shapes = ", ".join(f"{name} {np.shape(values)}" for name, values in table.items())
                 raise RunError(
-                    f"{self.name}: `observe` gives columns of several lengths ({lengths}); give one row each"
+                    f"{self.name}: `observe` gives columns of several shapes ({shapes}); give one row each"
                 )
             table["status"] = table["status"].astype(np.int8, copy=False)
             tally.status += count_status(table["status"][:: self.rows])
@@ -238,6 +246,8 @@ def joined(tables: Sequence[Table]) -> Table:
 # Each is a file and a class of this name: race-angles is RaceAngles in race_angles.py.
 NAMES = ("falling-set", "measure-zero", "one-sided", "portrait", "race-angles")
 _own: dict[str, type[Scene]] = {}
+# Names beside those of options, in records and on the command line.
+_WORDS = ("scene", "help", "json", "command")
 _OFFERS = "a scene offers draw(random, count), observe(drawn), and mostly count(tally, table) and summarise(tally)"
 
 
@@ -304,12 +314,19 @@ def _fault_of(kind: type[Scene]) -> str:
         lacking |= {"draw"} if (kind.draw, kind.blocks) == (SampledScene.draw, SampledScene.blocks) else set()
     if lacking:
         return f"has no method {', '.join(sorted(lacking))}; {_OFFERS}"
-    taken = [each.name for each in own_options(kind) if hasattr(SampledScene, each.name)]
+    bare = [each.name for each in fields(kind) if "reader" not in each.metadata]
+    if bare:
+        return f"{bare[0]} is no option yet; write {bare[0]}: ... = option(...)"
+    known = {*dir(SampledScene), *_WORDS}
+    taken = [each.name for each in own_options(kind) if each.name in known]
     if taken:
         return f"{taken[0]} is the name of something that every scene has; call your option otherwise"
     tally: Any = kind.tally
     if not (isinstance(tally, type) and issubclass(tally, Counts)):
         return f"tally = {shown(tally)}; give a class derived from explorer.scenes.Counts"
+    bare = [name for name, value in vars(tally).items() if isinstance(value, int | float | list)]
+    if bare:
+        return f"{tally.__name__} gives {bare[0]} a value; declare what it counts, as {bare[0]}: int"
     for name, what in tally.kinds.items():
         if not adds_up(what):
             told = getattr(what, "__name__", what)

@@ -280,3 +280,13 @@ def test_bounces_near_f_keep_the_constants_of_their_motion_and_go_no_wrong_way()
         np.testing.assert_allclose(table[name], np.broadcast_to(values, (2, 3)), rtol=1e-12)
     np.testing.assert_allclose(table["eta_hat"][:, [0, 2]], [[1e-3] * 2, [-1e-3] * 2], rtol=1e-9)
     assert not table["wrong_way"].any()
+
+
+def test_chosen_bounces_know_the_constants_of_their_motions():
+    states = ex.constants_to_states(ex.Disk.hoop(), 1.0, [1e-3, -1e-6, 0.1], 1.0)
+    found = ex.bounces(states, 2)
+    whole = motion_constants(found)
+    for rows in (1, np.s_[:, 0], np.s_[1:], found.face > 0, (np.arange(3), found.theta_min.argmin(-1))):
+        for name, values in motion_constants(found[rows]).items():
+            np.testing.assert_array_equal(values, np.atleast_1d(whole[name][rows]), err_msg=name)
+    assert ex.picture("race-histogram", found[found.face > 0]).axes

@@ -191,3 +191,12 @@ def test_a_kick_off_a_crest_of_the_potential_has_a_period(phidot, accuracy):
     assert found.status[0] == ex.Status.OK
     if phidot == 1e-4:
         assert abs(found.period[0] - 107.789119) < 1e-6
+
+
+@pytest.mark.parametrize("method", ["rk8", "dop853"])
+def test_an_eta_hat_that_was_given_is_kept_by_integration_too(method):
+    states = constants_to_states(BODIES["hoop"], 1.0, [1e-18, -1e-300], 1.0)
+    exact, found = ex.periods(states), ex.periods(states, method=method)
+    assert found.ok.all()
+    np.testing.assert_allclose(found.theta_min, exact.theta_min, rtol=1e-6)
+    np.testing.assert_allclose(found.period, exact.period, rtol=1e-6)

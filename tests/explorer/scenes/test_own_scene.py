@@ -165,9 +165,28 @@ class Parallel(Coins):
     jobs: float = option(NUMBER, "jobs of its own", default=1.0)
 
 
+class Named(Coins):
+    scene: float = option(NUMBER, "a scene of its own", default=1.0)
+
+
+class Bare(Coins):
+    bias: float = 0.5
+
+
+class PlainCounts(Counts):
+    heads = 0
+
+
+class WithPlain(Coins):
+    tally = PlainCounts
+
+
 @pytest.mark.parametrize(
     ("kind", "message"),
     [
+        (Named, "scene is the name of something that every scene has"),
+        (Bare, r"bias is no option yet; write bias: ... = option\(...\)"),
+        (WithPlain, "PlainCounts gives heads a value; declare what it counts, as heads: int"),
         (WithoutDraw, r"WithoutDraw: has no method draw; a scene offers draw\(random, count\)"),
         (WithDict, r"DictCounts declares faces as dict, which does not add up; declare int, .*ByName"),
         (WithoutTally, "give a class derived from explorer.scenes.Counts"),
@@ -194,6 +213,20 @@ def test_statuses_and_numbers_of_any_kind_can_be_stored(tmp_path):
     assert json.loads((tmp_path / "run" / "summary.json").read_text()) == run.summary
 
 
+def test_sums_of_numpy_are_counts_and_a_scene_that_draws_too_few_is_refused():
+    class Summed(Coins):
+        def count(self, tally, table):
+            tally.heads += table["heads"].sum()
+
+    class Few(Coins):
+        def draw(self, random, count):
+            return {"heads": random.random(3) < 0.5}
+
+    assert ex.run(Summed, samples=100).summary["share"] == ex.run(Coins, samples=100).summary["share"]
+    with pytest.raises(ex.RunError, match="few: `draw` gives 3 values of heads for 100 samples"):
+        ex.run(Few, samples=100)
+
+
 def test_a_table_without_a_status_is_refused_in_a_sentence():
     class Silent(Coins):
         def observe(self, drawn):
@@ -208,5 +241,5 @@ def test_columns_of_several_lengths_are_refused_with_their_lengths():
         def observe(self, drawn):
             return {**super().observe(drawn), "less": drawn["heads"][:-1]}
 
-    with pytest.raises(ex.RunError, match=r"columns of several lengths \(heads 100, status 100, less 99\)"):
+    with pytest.raises(ex.RunError, match=r"of several shapes \(heads \(100,\), status \(100,\), less \(99,\)\)"):
         ex.run(Short, samples=100)
