@@ -128,7 +128,7 @@ class Disk:
     ) -> None:
         mass, radius, gravity = _units(m, r, g)
         transverse = 0.25 * mass * radius * radius if I1 is None else positive("disk: I1", I1)
-        axial = 2.0 * transverse if I3 in (None, "flat") else number("disk: I3", I3, 0.0)
+        axial = 2.0 * transverse if _is_flat(I3) else number("disk: I3", I3, 0.0)
         read = {"m": mass, "r": radius, "g": gravity, "I1": transverse, "I3": axial}
         for key, value in {**read, "name": word("disk: name", name)}.items():
             object.__setattr__(self, key, value)
@@ -168,7 +168,7 @@ class Disk:
         """
         m, r, g = _units(m, r, g)
         unit = m * r * r
-        axial = None if I3 in (None, "flat") else number("disk: I3", I3, 0.0) * unit
+        axial = None if _is_flat(I3) else number("disk: I3", I3, 0.0) * unit
         return cls(m=m, r=r, g=g, I1=positive("disk: I1", I1) * unit, I3=axial, name=name)
 
     @classmethod
@@ -378,6 +378,11 @@ class Disk:
           kappa = 2.23607, limit of race angles kappa pi = 7.02481 rad
         """
         return Description(self)
+
+
+def _is_flat(I3: Any) -> bool:
+    """Whether the axial moment is said to be that of a flat body, as it is by default."""
+    return I3 is None or (isinstance(I3, str) and I3 == "flat")
 
 
 def _units(m: Any, r: Any, g: Any) -> tuple[float, float, float]:

@@ -172,6 +172,7 @@ def test_a_number_may_be_text_and_other_text_is_refused():
         (lambda: ex.Disk.uniform(m="heavy"), "disk: m = heavy is not a number"),
         (lambda: ex.Disk(I1=0.3, I3="thin"), "disk: I3 = thin is not a number"),
         (lambda: ex.Disk.annulus("half"), "annulus .*half is not a number"),
+        (lambda: ex.Disk(I1=1.0, I3=np.zeros(3)), "disk: I3 = ndarray of shape .* is not a number"),
     ):
         with pytest.raises(ex.InputError, match=said):
             make()
