@@ -6,7 +6,7 @@ from importlib import resources
 
 import numpy as np
 import pytest
-from browser.test_page import number_in, quickest, until
+from browser.test_page import first_paint, number_in, quickest, until
 from PIL import Image
 
 import explorer as ex
@@ -92,13 +92,7 @@ def test_an_address_with_a_motion_opens_the_laboratory_and_its_name_keeps_the_ar
 
 def test_the_article_is_small_and_its_first_picture_quick(article, article_file):
     assert article_file.stat().st_size < 300_000
-
-    def painted():
-        article.open(article_file)
-        article.frames()
-        return article.evaluate("performance.getEntriesByName('first-contentful-paint')[0].startTime")
-
-    assert 0.0 < quickest(painted, 1500.0) < 1500.0
+    assert 0.0 < quickest(lambda: first_paint(article, article_file), 1500.0) < 1500.0
 
 
 def test_eight_scenes_have_a_picture_and_a_slider_with_a_name_and_a_value(article):
