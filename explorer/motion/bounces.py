@@ -166,21 +166,17 @@ def motion_constants(found: Bounces) -> dict[str, NDArray[Any]]:
     motion = states.motion
     ok = (found.status == compiled.status.Status.OK) & (found.face != 0)
 
-    def each(values: Array) -> Array:
-        alike = (1,) * (len(found.shape) - len(states.shape))  # bounces that are chosen have a state each
-        return np.broadcast_to(values.reshape(*states.shape, *alike), found.shape)
-
-    eta = np.where(found.face > 0, each(motion.eta_plus), each(motion.eta_minus))
+    eta = np.where(found.face > 0, found._of_each_state(motion.eta_plus), found._of_each_state(motion.eta_minus))
     speed = impact_speed(disk, motion.sigma3_bar, motion.energy)
     columns = {
-        "sigma3_bar": each(motion.sigma3_bar) * disk.rate_unit,
+        "sigma3_bar": found._of_each_state(motion.sigma3_bar) * disk.rate_unit,
         "eta_hat": disk.eta_to_eta_hat(eta) * disk.rate_unit,
-        "energy": each(motion.energy) * disk.energy_unit,
-        "impact_speed": each(speed) * disk.rate_unit,
+        "energy": found._of_each_state(motion.energy) * disk.energy_unit,
+        "impact_speed": found._of_each_state(speed) * disk.rate_unit,
     }
     tilt = np.where(np.isfinite(found.theta_min), found.theta_min, 1.0).ravel()
     chart = line_chart(disk, np.sin(tilt), np.cos(tilt))
-    sigma3 = chart.rates(each(motion.sigma3_bar).ravel(), disk.eta_to_eta_hat(eta).ravel())[0]
+    sigma3 = chart.rates(found._of_each_state(motion.sigma3_bar).ravel(), disk.eta_to_eta_hat(eta).ravel())[0]
     against = np.sign(sigma3).reshape(found.shape) != found.side
     return {name: np.where(ok, values, np.nan) for name, values in columns.items()} | {"wrong_way": ok & against}
 

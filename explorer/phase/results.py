@@ -163,11 +163,17 @@ class Result(Table):
         states = getattr(self, "states", None)
         if states is None:
             return self._arrays()
-        # What follows a state has its axes first and may have more, for its bounces for instance.
-        of_states = {name: np.asarray(getattr(states, name)).reshape(states.shape) for name in _COORDINATES}
-        more = (1,) * (len(self.shape) - len(states.shape))
-        given = {n: np.broadcast_to(v.reshape(*states.shape, *more), self.shape) for n, v in of_states.items()}
+        given = {name: self._of_each_state(np.asarray(getattr(states, name))) for name in _COORDINATES}
         return {**given, **self._arrays()}
+
+    def _of_each_state(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Values of the states, one for each entry of the arrays.
+
+        What follows a state has its axes first and may have more, for its bounces for instance.
+        """
+        shape = getattr(self, "states", self).shape
+        more = (1,) * (len(self.shape) - len(shape))
+        return np.broadcast_to(values.reshape(*shape, *more), self.shape)
 
     @property
     def status_names(self) -> NDArray[np.str_]:

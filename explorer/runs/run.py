@@ -339,8 +339,10 @@ class Run:
         others = [f"{far.chunks_done} of {far.chunks} chunks; resume() computes the others"]
         if far.chunks_done == far.chunks:
             scene = self._unchanged_scene
-            gone = self.changed() or ["the file of its scene is not there any more"]
-            others = scene.headline(self.summary) if scene else gone
+            if scene:
+                others = scene.headline(self.summary)
+            else:
+                others = self.changed() or ["the file of its scene is not there any more"]
         name = self.parts[0].identity["options"]["scene"]
         return [f"Run of {name}, {f'{len(self._parts)} merged' if self._parts else where}", *others]
 
