@@ -111,7 +111,8 @@ class ChartBox(Ranges):
     @classmethod
     def of(cls, what: str, given: Mapping[str, Range]) -> Self:
         """From ranges by name. Raises InputError, which says `what`, where they say no state."""
-        found = cls(chart_of(what, given, (0.0, 0.0))[1])
+        chart, _ = chart_of(what, given, (0.0, 0.0))
+        found = cls({name: given[name] for name in chart.present(given)})
         found.check(what)
         return found
 

@@ -249,6 +249,7 @@ def test_the_same_rng_gives_the_same_numbers():
         ({"tilt": "norm:1:2:3:4"}, "norm"),
         ({"tilt": "norm:1:-2"}, "not the parameters"),
         ({"tilt": [1, 2, 3]}, "give a frozen distribution"),
+        ({"tilt": stats.norm}, "give a frozen distribution"),
         ({"tilt": (2, 1)}, "give a frozen distribution"),
         ({"event": ("theta_max", 1)}, 'give ..theta_min", delta'),
         ({"event": ("theta_min", 2)}, "from 1e-100 to 1"),
