@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -128,7 +128,8 @@ def probability(
         Needs I3 > 0.
     event : (str, float) or callable
         ("theta_min", delta): the tilt becomes smaller than delta (rad). Or a function of `Bounces` that returns a
-        bool for each state, or for each state and bounce: then any of its bounces counts.
+        bool for each state, or for each state and bounce: then any of its bounces counts. Of motions that fall
+        theta_min is 0, and the other columns are NaN or 0.
     count : int
         Within how many bounces. The tilt is periodic: bounces of one state have at most two theta_min, one on each
         face, so two bounces give all values of theta_min.
@@ -279,15 +280,19 @@ def _seen(
     states: States, event: Callable[[Bounces], ArrayLike], count: int, accuracy: float
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Of which states the event is true, and of which that is not known."""
-    found = bounces(states, count, accuracy)
+    found, code = bounces(states, count, accuracy), compiled.status.Status
+    falls = found.status == code.FALLS
+    found = replace(found, theta_min=np.where(falls, 0.0, found.theta_min))
     given = returned_numbers("event", event(found))
     if given.shape not in (found.shape, found.shape[:1]) or given.dtype.kind != "b":
         raise InputError(
             f"event: returned {shown(given)} for bounces of shape {found.shape}; return a bool for each state, "
             "or for each of its bounces"
         )
-    known = (found.status == compiled.status.Status.OK).all(axis=-1)
-    return known & given.reshape(len(states), -1).any(axis=1), ~known
+    hit = given.reshape(len(states), -1).any(axis=1)
+    # Of a fall nothing but theta_min is known, and with it an event that is true.
+    known = (found.status == code.OK).all(axis=-1) | (falls.any(axis=-1) & hit)
+    return known & hit, ~known
 
 
 def _plainly(counted: _Counted, law: Law | None, note: str, asked: str) -> Probability:
