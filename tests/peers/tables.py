@@ -135,8 +135,8 @@ def shares_of_steps(limits, steppers):
     together = 2.0 * limits.multiply_adds
     yield (
         f"Additions and multiplications of this core: {together:.1e}/s where a product and a sum are rounded"
-        f" together, {limits.strict:.1e}/s where they are not ({limits.strict / together:.0%}): the ceiling of"
-        " strict arithmetic."
+        f" together, {limits.strict:.1e}/s where they are not ({limits.strict / together:.0%}). The second number"
+        " is the ceiling of strict arithmetic."
     )
     yield ""
     heads = ("fixed steps, short ones", "million steps/s", "additions and multiplications", "share of the ceiling")
@@ -156,5 +156,6 @@ def loop_in_words():
     return (
         "C++: `tests/peers/fixed_steps.cpp`, the same tableaux and field in lanes, compiled with"
         f" `{' '.join(cpp.options(False)[1:])}` (strict; its steps are ours to the last bit) or"
-        " `-ffp-contract=fast`. It finds no event and keeps no constant: it is told at which s each motion ends."
+        " `-ffp-contract=fast`. It locates no events and keeps no constants of motion: it gets the s at which"
+        " each motion ends."
     )
