@@ -218,8 +218,8 @@ class _Tube:
         """A speed and a pair for each of these tilts.
 
         The speed comes from its own distribution, and in the share `plain` of the draws so does the pair. In the
-        others only one of the pair does, which says sigma3_bar on F, and eta_hat is even in the tube. Both together
-        are a mixture, whose density is known.
+        others one of the pair does, which says sigma3_bar on F, and eta_hat is even in the tube. Both together are
+        a mixture, whose density is known.
         """
         source, disk, count = self.source, self.source.disk, tilt.size
         q, z = source.place(tilt)
