@@ -155,9 +155,9 @@ def probability(
     Raises
     ------
     InputError
-        Where the names say no state, or an argument cannot be used.
+        If the names do not determine a state, or if an argument cannot be used.
     RunError
-        Where hardly any draw is a state.
+        If hardly any draw is a state.
 
     Notes
     -----
