@@ -134,7 +134,7 @@ def loop_in_words():
         return f"C++: {cpp.NO_COMPILER}."
     return (
         "C++: `tests/peers/fixed_steps.cpp`, the same tableaux and field in lanes, compiled with"
-        f" `{' '.join(cpp.options(False)[1:])}` (strict; its steps are ours to the last bit) or"
+        f" `{' '.join(cpp.options(False)[1:])}` (strict: its steps give the same bits as ours) or"
         " `-ffp-contract=fast`. It locates no events and keeps no constants of motion: it gets the s at which"
         " each motion ends."
     )
