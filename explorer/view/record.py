@@ -31,8 +31,8 @@ CAPTIONS = {
     "hero": Caption(
         Question.HAPPENS,
         "A disk falls (thin outlines) and lies almost flat (gold). From two starts that hardly differ, its "
-        "contact point races round the rim, one way (blue) or the other (vermilion), by κπ, and the disk rises in one of "
-        "two places. Here κ is 2.5, and they are opposite.",
+        "contact point races round the rim, one way (blue) or the other (vermilion), by κπ, and the disk rises in "
+        "one of two places. Here κ is 2.5, and they are opposite.",
     ),
     "film": Caption(
         Question.HAPPENS,
