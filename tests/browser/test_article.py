@@ -2,6 +2,7 @@
 
 import io
 import re
+from html import escape
 from importlib import resources
 
 import numpy as np
@@ -88,6 +89,30 @@ def test_an_address_with_a_motion_opens_the_laboratory_and_its_name_keeps_the_ar
     article.frames(4)
     assert not article.evaluate("document.getElementById('article').hidden")
     assert -5 < article.evaluate("document.getElementById('laboratory').getBoundingClientRect().top") < 100
+
+
+def test_in_a_frame_the_heading_of_the_article_is_left_to_the_page_round_it(article, article_file, tmp_path):
+    heading = "document.querySelector('#article h1').getBoundingClientRect().height"
+    assert article.evaluate(heading) > 0.0
+    frame = tmp_path / "frame.html"
+    inner = escape(article_file.read_text("utf-8"))
+    frame.write_text(f"<!doctype html><iframe srcdoc='{inner}'></iframe>", "utf-8")
+    article.open(frame)
+    until(article, "document.querySelector('iframe').contentWindow.nearflat?.article")
+    inside = heading.replace("document", "document.querySelector('iframe').contentDocument")
+    assert article.evaluate(inside) == 0.0
+
+
+def test_the_laboratory_explains_itself_where_it_stands(article):
+    article.evaluate("(document.getElementById('laboratory').scrollIntoView(), 0)")
+    article.frames(3)
+    before = article.evaluate("scrollY")
+    article.evaluate("(document.querySelector('#laboratory summary').click(), 0)")
+    article.frames(3)
+    assert article.evaluate("scrollY") == before
+    text = article.evaluate("document.querySelector('#laboratory details').innerText")
+    for symbol in ("η̂", "σ̄₃", "σ̄₄", "φ̇", "χ", "θ", "κ", "√(r/g)"):
+        assert symbol in text
 
 
 def test_the_article_is_small_and_its_first_picture_quick(article, article_file):
