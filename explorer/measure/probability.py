@@ -28,9 +28,9 @@ from explorer.phase.states import States
 Event = tuple[str, float] | str | Callable[[Bounces], ArrayLike]
 FEWEST = 100  # hits, or worth of hits, with which an interval is to be trusted
 # Plain draws over weighted ones at each face, and the fewest of these, which also tell whether the law holds.
-_SHARE, _LEAST = 16, 1 << 12
+_SHARE, _LEAST = 8, 1 << 12
 # Where the law holds: decades of delta, and how far P may be off C delta.
-_DELTAS = tuple(10.0 ** -np.arange(1.0, 13.0))
+_DELTAS = tuple(10.0**-decade for decade in range(1, 13))
 _HOLDS = 0.05
 _SMALL = 1e-30  # the delta at which C is found: eta_hat is a number of its own, so no digit is lost
 
@@ -138,7 +138,7 @@ def probability(
     accuracy : float
         Of `bounces`, and relative of theta_min, 1e-13 to 0.1.
     samples : int
-        Plain draws. Beside the falling set a sixteenth as many are made at each face, and 4,096 at least.
+        Plain draws. Beside the falling set an eighth as many are made at each face, and 4,096 at least.
     rng : int, SeedSequence or Generator
         Where random numbers come from; the same int gives the same numbers.
     **coordinates
@@ -155,9 +155,9 @@ def probability(
     Raises
     ------
     InputError
-        Where the names say no state, or an argument cannot be used.
+        If the names do not determine a state, or if an argument cannot be used.
     RunError
-        Where hardly any draw is a state.
+        If hardly any draw is a state.
 
     Notes
     -----

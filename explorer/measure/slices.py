@@ -162,7 +162,7 @@ def slice_map(
     Raises
     ------
     InputError
-        Where the slice cannot be read, or the observable is not known.
+        If the slice cannot be read, or the observable is not known.
 
     Examples
     --------
@@ -246,7 +246,7 @@ def flattest_per_cell(states: States, cells: int = 100, method: str = "auto") ->
     Raises
     ------
     InputError
-        Where cells or method cannot be used.
+        If cells or method cannot be used.
 
     Examples
     --------
