@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion import precision
 from explorer.motion.orbits import Ends, Orbits
 from explorer.motion.passages_by_integration import by_integration
 from explorer.motion.plan import Plan
@@ -25,8 +24,7 @@ def integrated_orbits(states: States, own: Array, ends: Ends, how: Plan) -> tupl
     What could not be followed has infinite errors.
     """
     n, finer = len(states), replace(how, accuracy=_OF_ARC * how.accuracy)
-    slow = precision.amplification(precision.speed_at_vertical(states.disk, states.motion))
-    turns = [turning_points(each, finer, slow) for each in (states, states.reversed())]
+    turns = [turning_points(each, finer) for each in (states, states.reversed())]
     # A state at rest is the turning point behind itself.
     moves = np.stack([np.ones(n, bool), states.rows.p != 0.0])
     theta = np.where(moves, [turn.theta for turn in turns], tilt_of(states.natural))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, TypedDict, Unpack
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,9 +19,9 @@ from explorer.motion.plan import Plan, plan
 from explorer.motion.precision import asked
 from explorer.motion.threads import BLOCK, blocks, in_parts
 from explorer.motion.vertical import VerticalStarts, starts_at_vertical
-from explorer.phase.arguments import keywords_of, read_columns
+from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
-from explorer.phase.results import Result
+from explorer.phase.results import Result, joined
 from explorer.phase.states import Array
 
 OBSERVABLES = ("race_angle", "delta_chi", "delta_psi", "theta_min", "duration")
@@ -105,20 +105,6 @@ class Passages(Result):
         return np.sign(self.eta_hat).astype(np.int8)
 
 
-class Computation(TypedDict, total=False):
-    """Keywords of `passages` that say how they are computed; see there."""
-
-    method: str
-    accuracy: float
-    jobs: int
-
-
-class _Computation(NamedTuple):
-    method: str = "auto"
-    accuracy: float = 1e-6
-    jobs: int = 1
-
-
 def passages(
     disk: Disk,
     sigma3_bar: ArrayLike,
@@ -127,7 +113,9 @@ def passages(
     face: ArrayLike = 1,
     *,
     window: float | None = None,
-    **computation: Unpack[Computation],
+    method: str = "auto",
+    accuracy: float = 1e-6,
+    jobs: int = 1,
 ) -> Passages:
     """Passages from the vertical to nearly flat and back to the vertical.
 
@@ -146,11 +134,13 @@ def passages(
         Flat state that the motion starts towards, +1 or -1.
     window : float, optional
         cos(phi), 0 to 1, at which to start and stop instead of at the vertical. Quadrature only.
-    **computation
-        method : 'auto' or 'quadrature', or 'rk4', 'rk8', 'dopri5', 'dop853', which project each step onto the
-        constants, and say UNRESOLVED_SIDE if their error hides the direction of the race. accuracy : of angles
-        (rad), or their 14th digit if that is larger; relative for times and theta_min; by default 1e-6.
-        jobs : threads, by default 1.
+    method : str
+        'auto' or 'quadrature', or 'rk4', 'rk8', 'dopri5', 'dop853', which project each step onto the constants,
+        and say UNRESOLVED_SIDE if their error hides the direction of the race.
+    accuracy : float
+        Of angles (rad), or their 14th digit if that is larger; relative for times and theta_min.
+    jobs : int
+        Threads.
 
     Returns
     -------
@@ -174,12 +164,15 @@ def passages(
     >>> found.race_angle.round(4)
     array([ 7.0248, -7.0248,  7.0248])
     """
-    known = ("disk", "sigma3_bar", "eta_hat", "phidot", "face", "window", *_Computation._fields)
-    given = keywords_of("passages", computation, _Computation, known)
-    how = plan(OBSERVABLES, given.accuracy, given.method)
+    how = plan(OBSERVABLES, accuracy, method)
     columns, shape = read_columns({"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot, "face": face})
-    edge, jobs = _edge_of(window, how.method), jobs_of("jobs", given.jobs)
-    return _in_parts(disk, columns, how, edge, jobs).reshaped(shape)
+    edge, starts = _edge_of(window, how.method), starts_at_vertical(disk, *columns)
+    # Threads that nobody waits for any more, after Ctrl-C, do no more than this many at a time.
+    rows, some = starts.status.size, None if jobs_of("jobs", jobs) == 1 else 64 * BLOCK
+    found = joined(in_parts(jobs, rows, lambda part: _passages(disk, starts.at(part), how, edge), some))
+    # The numbers as they were given, also where a placeholder stood for them.
+    given = dict[str, Any](zip(Passages._GIVEN, columns, strict=True))
+    return replace(found, **given).reshaped(shape)
 
 
 def passages_by(disk: Disk, starts: VerticalStarts, how: Plan) -> tuple[Passages, NDArray[np.int32] | None]:
@@ -202,22 +195,6 @@ def passage_kernels(how: Plan) -> tuple[str, ...]:
     quadrature = how.method == "quadrature"
     by = ("passages.passage_batch",) if quadrature else ("algebra.constants_batch", how.kernel)
     return *by, "passages.fall_batch", "races.race_batch"
-
-
-def _in_parts(disk: Disk, given: list[Array], how: Plan, edge: float, jobs: int) -> Passages:
-    """Passages, a part of them by each of so many threads."""
-    starts = starts_at_vertical(disk, *given)
-    n, columns = starts.status.size, dict[str, Any]()
-    if min(jobs, n) <= 1:
-        found = _passages(disk, starts, how, edge)
-    else:
-        # Threads that nobody waits for any more, after Ctrl-C, do no more than this many.
-        some = 64 * BLOCK
-        found, *others = in_parts(jobs, n, lambda rows: _passages(disk, starts.at(rows), how, edge), some)
-        for name, first in found.columns.items():
-            columns[name] = np.concatenate([first, *(part.columns[name] for part in others)])
-    # The numbers as they were given, also where a placeholder stood for them.
-    return replace(found, **(columns | dict(zip(Passages._GIVEN, given, strict=True))))
 
 
 def _edge_of(window: float | None, method: str) -> float:

@@ -30,7 +30,7 @@ def by_integration(
     code, face = compiled.status.Status, starts.face
     states = constants_to_states(disk, starts.sigma3_bar, starts.eta_hat, face * starts.speed, face)
     states = states if known is None else replace(states, given=known)
-    turn = turning_points(states, how, precision.amplification(starts.speed / disk.rate_unit))
+    turn = turning_points(states, how)
     error = turn.error + rounding_at_rest(disk, starts, states, turn.time)
     status = np.where(starts.eta_hat == 0.0, code.FALLS, turn.status)
     status = np.where(starts.status == code.OK, status, starts.status).astype(np.int8)

@@ -37,6 +37,12 @@ class Outcome(NamedTuple):
     constants_error: Array
     error_estimate: Array
 
+    def at(self, rows: NDArray[np.intp]) -> Outcome:
+        """That of some motions."""
+        return Outcome(
+            self.status[rows], self.steps[rows], self.constants_error[:, rows], self.error_estimate[rows]
+        )
+
 
 def motions(states: States, how: Plan, chi0: float, max_steps: int) -> InitialValues:
     """The motions through `states`, as they are before they are followed."""
@@ -105,6 +111,12 @@ class Records(NamedTuple):
     def lengths(self) -> NDArray[np.int64]:
         """How many points each motion has; 0 where it is not OK."""
         return self.first[1:] - self.first[:-1]
+
+    def at(self, rows: NDArray[np.intp]) -> Records:
+        """The curves of some motions."""
+        each = [np.arange(self.first[row], self.first[row + 1]) for row in rows]
+        first = np.append(0, np.cumsum(self.lengths[rows]))
+        return Records(self.points[:, np.concatenate([*each, np.arange(0)])], first, self.outcome.at(rows))
 
     def padded(self, values: Array) -> Array:
         """(n, longest, ...): values of all points, the last of each motion repeated; NaN where it is not OK."""

@@ -12,10 +12,10 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
+from itertools import pairwise
 from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 Done = TypeVar("Done")
 
@@ -83,21 +83,19 @@ def blocks(count: int, size: int = BLOCK) -> Iterator[slice]:
         yield slice(first, min(first + size, count))
 
 
-def in_parts(
-    jobs: int, count: int, call: Callable[[NDArray[np.intp]], Done], size: int | None = None
-) -> list[Done]:
-    """`call` on the numbers of up to `jobs` parts of `count` samples, in as many threads.
+def in_parts(jobs: int, count: int, call: Callable[[slice], Done], size: int | None = None) -> list[Done]:
+    """`call` on the rows of up to `jobs` parts of `count` samples, in as many threads.
 
     size: samples at a time; by default all of a part.
     """
+    ends = np.linspace(0, count, max(1, min(jobs, count)) + 1).astype(int).tolist()
 
-    def in_turn(part: NDArray[np.intp]) -> list[Done]:
-        return [call(part[rows]) for rows in blocks(part.size, size or max(part.size, 1))]
+    def in_turn(first: int, last: int) -> list[Done]:
+        parts = blocks(last - first, size or max(last - first, 1))
+        return [call(slice(first + rows.start, first + rows.stop)) for rows in parts]
 
-    parts = np.array_split(np.arange(count), max(1, min(jobs, count)))
-    if len(parts) == 1:
-        return in_turn(parts[0])
-    return [each for part in _side_by_side([partial(in_turn, part) for part in parts]) for each in part]
+    calls = [partial(in_turn, *part) for part in pairwise(ends)]
+    return [each for part in (_side_by_side(calls) if len(calls) > 1 else [calls[0]()]) for each in part]
 
 
 def attended(kernel: Callable[[], None], end: Callable[[], None] = lambda: None) -> None:

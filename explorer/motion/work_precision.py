@@ -25,8 +25,6 @@ _SAME = 1.5
 # undisturbed round is enough.
 _ROUNDS, _ENOUGH = 4, 0.3
 ROUNDING = 1e-14  # errors below are one
-# Errors of rounding where methods are calibrated, and the settings above them from which the order is taken.
-_LEAST, _NEAR_LEAST, _OF_ORDER = 1e-12, 3.0, 3
 Errors = dict[tuple[str, float], float]  # by method and setting
 
 
@@ -226,12 +224,7 @@ def largest_errors(measured: Iterable[list[Row]], others: Iterable[Errors]) -> E
 
 
 def curves(costs: Measured, errors: Errors) -> dict[str, list[tuple[float, float] | None]]:
-    """The table of one kind for `calibration`: error and nanoseconds at SETTINGS, None where they gain nothing.
-
-    No setting lowers errors of rounding: those below _LEAST, or within _NEAR_LEAST of the least of any method, as
-    slow starts round more. There a method's order is continued instead, to its last setting that gains.
-    """
-    rounding = max(_LEAST, _NEAR_LEAST * min((error for error in errors.values() if error > 0.0), default=_LEAST))
+    """The table of one kind for `calibration`: error and nanoseconds at SETTINGS, None where they gain nothing."""
     table = {}
     for method, settings in SETTINGS.items():
         rows = [
@@ -240,11 +233,5 @@ def curves(costs: Measured, errors: Errors) -> dict[str, list[tuple[float, float
             if row.method == method
         ]
         best = {row.setting: (row.p99, row.nanoseconds) for row in best_of(rows)}
-        above = [setting for setting, (error, _) in best.items() if error > rounding]
-        if len(above) >= _OF_ORDER:
-            first, last = above[-_OF_ORDER], above[-1]
-            order = np.log(best[last][0] / best[first][0]) / np.log(last / first)
-            for setting in best.keys() - above:
-                best[setting] = best[last][0] * float(setting / last) ** float(order), best[setting][1]
         table[method] = [best.get(float(setting)) for setting in settings]
     return table

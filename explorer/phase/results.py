@@ -2,9 +2,10 @@
 
 import html
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import fields, replace
 from functools import cache
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -125,6 +126,9 @@ class Table:
         return f"<table><caption>{html.escape(self._title())}</caption>{rows}</table>"
 
 
+R = TypeVar("R", bound="Result")
+
+
 class Result(Table):
     """Base class of results: a dataclass with one array for each column, all of one shape, `status` among them.
 
@@ -185,6 +189,21 @@ class Result(Table):
         arrays = {name: v.reshape(*shape, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
         return replace(self, **arrays)  # type: ignore[type-var]
 
+    def among(self, rows: NDArray[np.intp], status: NDArray[np.int8]) -> Self:
+        """This result of some rows among all; what is not OK keeps its status alone, and else is NaN, 0 or False.
+
+        status: of all rows, before this result was found for some of them.
+        """
+        told = np.empty((status.size, *self.shape[1:]), np.int8)
+        told[:] = status.reshape(-1, *(1,) * (told.ndim - 1))
+        told[rows] = self.status
+        arrays: dict[str, NDArray[Any]] = {}
+        for name, values in self._arrays().items():
+            blank = np.array(np.nan if values.dtype.kind == "f" else 0, values.dtype)
+            arrays[name] = np.full(told.shape, blank)
+            arrays[name][rows] = np.where(self.ok, values, blank)
+        return replace(self, **arrays | {"status": told})  # type: ignore[type-var]
+
     def _good(self) -> NDArray[np.bool_]:
         return self.ok
 
@@ -196,6 +215,15 @@ class Result(Table):
         said = ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "no samples"
         remedies = [(name, compiled.status.Status[name.upper()].remedy) for name in counts if name != "ok"]
         return [("status", said + of), *remedies, *numbers]
+
+
+def joined(parts: Sequence[R]) -> R:
+    """The results of parts of samples, one after another along their first axis."""
+    if len(parts) == 1:
+        return parts[0]
+    arrays = [part._arrays() for part in parts]
+    columns = {name: np.concatenate([each[name] for each in arrays]) for name in arrays[0]}
+    return replace(parts[0], **columns)  # type: ignore[type-var]
 
 
 def unit_of(name: str, disk: Disk | None = None) -> str:
