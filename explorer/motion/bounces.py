@@ -192,7 +192,7 @@ def bounce_kernels(how: Plan) -> tuple[str, ...]:
 def _bounces(states: States, count: int, how: Plan) -> Bounces:
     """The first `count` bounces of motions that have a period, those on one and on the other face in turn."""
     disk, own, code = states.disk, face_of(states), compiled.status.Status
-    rises, number = own * states.rows.p > 0.0, np.arange(count)
+    rises, number = own * states.rows.p > 0.0, np.arange(count, dtype=np.float64)
     # Where nothing is asked but the first one, the other passage of a motion may stay unknown.
     both = rises | (count > 1)
     motions, ends, (here, there, lead) = arcs_of(states, own, how, both, True)
@@ -219,7 +219,7 @@ def _bounces(states: States, count: int, how: Plan) -> Bounces:
     chi, psi = each(2.0 * here.chi, 2.0 * there.chi), each(2.0 * own * here.psi, -2.0 * own * there.psi)
     duration = each(2.0 * here.time, 2.0 * there.time)
     known = (np.isfinite(duration) & (error <= allowed(how.accuracy, chi, psi))).all(axis=1)
-    later: Array = number * to_other[:, None]
+    later = number * to_other[:, None]
     time: Array = first[:, None] + later
     late = ((swing * first_error)[:, None] + later * error.max(axis=1)[:, None]) / np.fmax(period[:, None], time)
     fall_angle = np.broadcast_to(2.0 * fall.chi[:, None], chi.shape)

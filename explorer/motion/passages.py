@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, number, shown
 from explorer.motion.arcs import OF_ANGLES
-from explorer.motion.falls import departures_beside, fall_integrals, rows_apart
+from explorer.motion.falls import departures_of_moving, fall_integrals, rows_apart
 from explorer.motion.passages_by_integration import by_integration
 from explorer.motion.passages_by_quadrature import by_quadrature
 from explorer.motion.plan import Plan, plan
@@ -169,25 +169,29 @@ def passages(
     edge, starts = _edge_of(window, how.method), starts_at_vertical(disk, *columns)
     # Threads that nobody waits for any more, after Ctrl-C, do no more than this many at a time.
     rows, some = starts.status.size, None if jobs_of("jobs", jobs) == 1 else 64 * BLOCK
-    found = joined(in_parts(jobs, rows, lambda part: _passages(disk, starts.at(part), how, edge), some))
+    found = joined(in_parts(jobs, rows, lambda part: passages_by(disk, starts.at(part), how, edge)[0], some))
     # The numbers as they were given, also where a placeholder stood for them.
     given = dict[str, Any](zip(Passages._GIVEN, columns, strict=True))
     return replace(found, **given).reshaped(shape)
 
 
-def passages_by(disk: Disk, starts: VerticalStarts, how: Plan) -> tuple[Passages, NDArray[np.int32] | None]:
-    """As `passages`, by a plan that was made, which may name its setting; and the steps of an integrator."""
+def passages_by(
+    disk: Disk, starts: VerticalStarts, how: Plan, edge: float = 0.0, tables: bool = True
+) -> tuple[Passages, NDArray[np.int32] | None]:
+    """As `passages`, by a plan that was made, which may name its setting; and the steps of an integrator.
+
+    edge: the tilt phi (rad) of the window. tables: False for quadrature by arcs alone.
+    """
     if how.method == "quadrature":
-        return _passages(disk, starts, how, 0.0), None
+        parts = (by_quadrature(disk, starts.at(rows), how, edge, tables) for rows in blocks(starts.status.size))
+        return _assemble(disk, starts, parts, how, edge), None
     samples, steps = by_integration(disk, starts, how)
-    return _assemble(disk, starts, [samples], how, 0.0), steps
+    return _assemble(disk, starts, [samples], how, edge), steps
 
 
 def reference_passages(disk: Disk, starts: VerticalStarts, accuracy: float = 1e-11) -> Passages:
     """Passages as arcs: by quadrature, but by none of the tables of the body."""
-    how = plan(OBSERVABLES, accuracy, "quadrature")
-    parts = (by_quadrature(disk, starts.at(rows), how, 0.0, False) for rows in blocks(starts.status.size))
-    return _assemble(disk, starts, parts, how, 0.0)
+    return passages_by(disk, starts, plan(OBSERVABLES, accuracy, "quadrature"), tables=False)[0]
 
 
 def passage_kernels(how: Plan) -> tuple[str, ...]:
@@ -209,13 +213,7 @@ def _edge_of(window: float | None, method: str) -> float:
     return float(np.arccos(cosine))
 
 
-def _passages(disk: Disk, starts: VerticalStarts, how: Plan, edge: float) -> Passages:
-    if how.method == "quadrature":
-        parts = (starts.at(slice(i, i + BLOCK)) for i in range(0, max(starts.status.size, 1), BLOCK))
-        return _assemble(disk, starts, (by_quadrature(disk, part, how, edge) for part in parts), how, edge)
-    return _assemble(disk, starts, [by_integration(disk, starts, how)[0]], how, edge)
-
-
+@np.errstate(over="ignore")  # of starts that are no input
 def _assemble(
     disk: Disk, starts: VerticalStarts, parts: Iterable[compiled.races.Samples], how: Plan, edge: float
 ) -> Passages:
@@ -227,8 +225,8 @@ def _assemble(
     units = races.Units(disk.time_unit, disk.energy_unit, disk.rate_unit, disk.race_limit)
     out, status = rows_apart(12, n), np.empty(n, np.int8)
     for samples in parts:
-        crossed = compiled.passages.Crossings(samples.sigma3_bar, samples.eta, samples.speed)
-        departures = departures_beside(disk, crossed)
+        kinetic = 0.5 * disk.body.M * samples.speed**2
+        departures = departures_of_moving(disk, samples.sigma3_bar, samples.eta, kinetic, kinetic)
         fall = fall_integrals(disk, departures, edge, how.accuracy)
         falls = races.Falls(fall.time, fall.chi, departures.level, fall.error)
         races.race_batch(samples, falls, terms, units, disk.natural, first, out)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from explorer.errors import InputError, flag, jobs_of, one_of, shown, whole
 from explorer.motion.bounces import bounces
 from explorer.motion.periods import periods
+from explorer.motion.threads import in_parts
 from explorer.phase.arguments import returned_numbers
 from explorer.phase.constants import constants_of
 from explorer.phase.falling_set import falls_of
@@ -139,39 +140,25 @@ def scan(
     >>> ex.scan(states, turns)["turns"].round(3)
     array([-0.362, -0.637,  3.327, -0.824, -0.436])
     """
+    from tqdm import tqdm
+
     require_states(states)
     jobs, batch = jobs_of("jobs", jobs), whole("batch", batch, 1, _MOST_BATCH)
     progress = None if progress is None else flag("progress", progress)
-    found = _computed(states, observable, _Work(jobs, batch, progress))
+    call, alone = _function_of("observable", observable)
+    hidden, wait = None if progress is None else not progress, 0 if progress else _PATIENCE
+    with tqdm(desc=alone, total=max(1, -(-len(states) // batch)), disable=hidden, delay=wait, leave=False) as bar:
+
+        def checked(rows: slice) -> dict[str, NDArray[Any]]:
+            found = _checked(call, states.at(rows), alone)
+            bar.update()
+            return found
+
+        found = in_parts(jobs, len(states), checked, batch)
     names = list(found[0])
     if any(list(part) != names for part in found):
         raise InputError("observable: the function returned other names for some states")
     return Scan(states, {name: _joined(name, [part[name] for part in found], states.shape) for name in names})
-
-
-class _Work(NamedTuple):
-    """Threads, states in a call, and whether a bar is shown."""
-
-    jobs: int
-    batch: int
-    progress: bool | None
-
-
-def _computed(states: States, observable: Observable, work: _Work) -> list[dict[str, NDArray[Any]]]:
-    """What the function returned, batch by batch."""
-    from joblib import Parallel, delayed
-    from tqdm import tqdm
-
-    call, alone = _function_of("observable", observable)
-    n, size = len(states), work.batch
-    parts = [np.arange(first, min(first + size, n)) for first in range(0, max(n, 1), size)]
-    made = Parallel(n_jobs=work.jobs, backend="threading", return_as="generator")(
-        delayed(_checked)(call, states.at(rows), alone) for rows in parts
-    )
-    hidden = None if work.progress is None else not work.progress
-    wait = 0 if work.progress else _PATIENCE
-    shown_by = tqdm(made, alone, len(parts), disable=hidden, delay=wait, unit="batch", leave=False)
-    return list(shown_by)
 
 
 def _function_of(flag: str, observable: Any) -> tuple[Callable[[States], Any], str]:

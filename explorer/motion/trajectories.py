@@ -325,8 +325,8 @@ def _followed(
     """The motions from their starts. until: the end, and the times where these are given."""
     disk, (end, times), rows, records = states.disk, until, compiled.field.ROW, None
     if times is None:
-        records = recording.record(start, end * disk.rate_unit, jobs)
-        found, lengths, outcome = records.points[:10], records.lengths, records.outcome
+        records, outcome = recording.record(start, end * disk.rate_unit, jobs)
+        found, lengths = records.points[:10], records.lengths
         values = _observables(disk, found, names)
         values = {name: None if value is None else records.padded(value) for name, value in values.items()}
         times = records.padded(found[rows.t] * disk.time_unit)
