@@ -94,23 +94,23 @@ def parse(table: dict[str, Any], origin: str, own: bool = False) -> Calibration:
 
     That is error and nanoseconds, or null where a setting gains nothing. Raises ValueError for what can be none.
     """
-    curves = {}
     try:
-        for method, settings in table.get("settings", SETTINGS).items():
-            rows = zip(settings, table["methods"][method], strict=True)
-            curves[method] = Curve(*np.array([(setting, *row) for setting, row in rows if row], np.float64).T)
+        methods, settings = table["methods"], table.get("settings", SETTINGS)
+        columns = {
+            method: np.array(
+                [(setting, *row) for setting, row in zip(settings[method], methods[method], strict=True) if row],
+                np.float64,
+            ).T
+            for method in SETTINGS
+        }
+        curves = {method: Curve(*numbers) for method, numbers in columns.items()}
         quadrature = float(table["quadrature"])
     except (AttributeError, KeyError, TypeError, ValueError):
         raise ValueError("it lacks settings, methods or quadrature, or has others than numbers there") from None
-    for method, curve in curves.items():
-        numbers = np.stack([curve.setting, curve.error, curve.nanoseconds])
+    for method, numbers in columns.items():
         falls = numbers.shape[1] > 1 and (np.diff(numbers[:2]) < 0.0).all()
-        if not (falls and ((numbers > 0.0) & (numbers < np.inf)).all()):
+        if not (falls and ((numbers > 0.0) & (numbers < np.inf)).all() and 0.0 < quadrature < np.inf):
             raise ValueError(f"settings and errors of {method} do not fall, or numbers are not finite and above 0")
-    if set(curves) != set(SETTINGS):
-        raise ValueError(f"its methods are not {', '.join(SETTINGS)}")
-    if not 0.0 < quadrature < np.inf:
-        raise ValueError("its quadrature is no time")
     return Calibration(origin, curves, quadrature, own)
 
 

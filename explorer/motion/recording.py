@@ -120,7 +120,7 @@ class Records(NamedTuple):
 
 
 def record(motions: InitialValues, t_end: float, jobs: int = 1) -> tuple[Records, Outcome]:
-    """Curves of all motions up to t_end, and what became of these. Raises InputError where memory is too little."""
+    """Curves of all motions up to t_end, and their outcome. Raises InputError where memory is too little."""
     number = motions.status.size
     found = in_parts(jobs, number, lambda rows: _record(motions.at(rows), t_end, number))
     sizes = np.concatenate([part.lengths for part, _ in found])

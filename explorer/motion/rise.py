@@ -90,7 +90,8 @@ class Stretch(NamedTuple):
 
 def _integrated(rates: NDArray[Any]) -> NDArray[Any]:
     """Coefficients of the integrals from -1 of rates, whose last axis are Chebyshev's nodes."""
-    return chebint(chebinterpolate(lambda _nodes: rates.T, _NODES - 1), lbnd=-1).T
+    values: Any = rates.T  # of several functions at once
+    return np.asarray(chebint(chebinterpolate(lambda _nodes: values, _NODES - 1), lbnd=-1)).T
 
 
 class Rise:

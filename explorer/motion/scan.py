@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -39,7 +39,8 @@ OBSERVABLES = {name: call for call, names in _SOURCES.values() for name in names
 class Scan(Table):
     """Observables of states, arrays with their shape: what `scan` returns.
 
-    It is indexed by the name of an observable; where there is one alone, it is also an array itself for numpy.
+    It is indexed by the name of an observable, or as an array for some of the states; where there is one
+    observable alone, it is also an array itself for numpy.
     `save` stores it, and picture observable draws it.
 
     Attributes
@@ -75,8 +76,16 @@ class Scan(Table):
     def _arrays(self) -> dict[str, NDArray[Any]]:
         return self.values
 
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        return self.values[one_of("observable", name, self.values)]
+    @overload
+    def __getitem__(self, key: str) -> NDArray[Any]: ...
+    @overload
+    def __getitem__(self, key: Any) -> Scan: ...
+    def __getitem__(self, key: Any) -> Any:
+        """An observable by its name; or some of the states, chosen as entries of an array of this shape are."""
+        if isinstance(key, str):
+            return self.values[one_of("observable", key, self.values)]
+        values, states = self._chosen(key)
+        return Scan(states or self.states, values)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.values)

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
 
+    from explorer.phase.states import States
+
 _SHOWN = 6  # columns whose medians the description gives: what fits on a screen beside code
 _COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
 _SIDED = ("race_angle", "delta_chi", "delta_psi")  # whose medians are told for each side of F
@@ -54,6 +56,16 @@ class Table:
     def columns(self) -> dict[str, NDArray[Any]]:
         """All arrays by name, the arguments first."""
         return self._arrays()
+
+    def _chosen(self, rows: Any) -> "tuple[dict[str, NDArray[Any]], States | None]":
+        """Arrays of some samples, chosen as entries of an array of this shape are, and the states of these."""
+        places = np.atleast_1d(np.arange(self.size).reshape(self.shape)[rows])
+        flat = {name: v.reshape(self.size, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
+        states = getattr(self, "states", None)
+        if states is not None:
+            each = states.at(places.ravel() // max(self.size // max(len(states), 1), 1))
+            states = replace(each, shape=places.shape)
+        return {name: values[places] for name, values in flat.items()}, states
 
     def _flat(self) -> dict[str, NDArray[Any]]:
         """Columns with one entry for each sample; a vector becomes several, `path` path_x, path_y and path_z."""
@@ -146,15 +158,10 @@ class Result(Table):
 
     def __getitem__(self, rows: Any) -> Self:
         """Some of the samples, chosen as entries of an array of this shape are: by a number, a slice or a mask."""
-        places = np.atleast_1d(np.arange(self.size).reshape(self.shape)[rows])
-        arrays = {
-            name: v.reshape(self.size, *v.shape[len(self.shape) :])[places] for name, v in self._arrays().items()
-        }
-        states = getattr(self, "states", None)
+        arrays, states = self._chosen(rows)
         if states is None:
             return replace(self, **arrays)  # type: ignore[type-var]
-        each = states.at(places.ravel() // max(self.size // max(len(states), 1), 1))
-        return replace(self, **arrays, states=replace(each, shape=places.shape))  # type: ignore[type-var]
+        return replace(self, **arrays, states=states)  # type: ignore[type-var]
 
     @property
     def ok(self) -> NDArray[np.bool_]:
