@@ -66,7 +66,7 @@ def demo(given: Demo, command: str, quiet: bool) -> list[Run]:
         title = title.format(how=method_in_words(scene.plan.method))
         note(f"\n{title}", quiet)
         runs.append(execute(asked(scene, {**how, "out": out / name}, exist="replace")))
-        lines = scene.headline(runs[-1].summary)
+        lines = runs[-1].headline
         if isinstance(scene, SampledScene):
             compared[name] = side_by_side(scene, _BESIDE[name], jobs=given.jobs)
             lines += in_words(compared[name])

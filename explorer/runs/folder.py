@@ -101,20 +101,28 @@ def read_record(folder: Path) -> dict[str, Any]:
 
 def stored_scene(record: dict[str, Any]) -> Scene:
     """The scene of a run.json; a user's is loaded from its file. Raises InputError."""
-    if record.get("from"):
-        scene_class(record["from"])
+    where = record.get("from")
+    if where and _code_now(record) is None:
+        raise InputError(
+            f"scene {where}: there is no file of that name any more; put it back, or, with the options of "
+            f"run.json, go on with: nearflat run NEW.py:{where.rpartition(':')[2]} ... --resume --out DIR"
+        )
+    if where:
+        scene_class(where)
     return scene_of(record["options"])
 
 
-def code_now(record: dict[str, Any]) -> str | None:
+def _code_now(record: dict[str, Any]) -> str | None:
     """The digest that the file of a user's scene has by now; None where it is not there."""
     where = record.get("from")
     return _code_in(where.rpartition(":")[0]) if where else record["code"]
 
 
-def changed(record: dict[str, Any], scene: Scene | None) -> list[str]:
-    """What computed a run and is other now, in sentences. scene: None where its file is other, or not there."""
-    now = identity(scene) if scene else {**record, "code": code_now(record) or record["code"]}
+def changed(record: dict[str, Any], scene: Callable[[], Scene]) -> list[str]:
+    """What computed a run and is other now, in sentences. scene: makes it, unless its file is other, or gone."""
+    now = {**record, "code": _code_now(record) or record["code"], "kernels": compiled.source_digest()}
+    if _code_now(record) == record["code"]:
+        now = identity(scene())
     return [_remedy(what, record) for what in MADE_BY if now[what] != record[what]]
 
 
@@ -184,13 +192,13 @@ def missing_chunks(folder: Path, scene: Scene, say: Callable[[str], None]) -> li
     for leftover in (*folder.glob(".*.tmp"), *folder.glob("chunks/.*.tmp")):
         leftover.unlink(missing_ok=True)
     good, shared = set[int | None](), digest_of_identity(identity(scene))
-    for chunk, fault in store.examined(store.chunks_in(folder), scene.chunks, shared, scene):
+    for chunk, fault in store.examined(store.chunks_in(folder), scene.chunks, shared):
         path, place = folder / "chunks" / chunk.name, folder / "bad"
-        if not fault:
-            good.add(chunk.number)
-        elif fault == store.SHORTER:
-            say(f"{chunk.name}: {fault}; it is computed anew")
+        if not fault and chunk.note()["samples"] < scene.length(chunk.number or 0):
+            say(f"{chunk.name}: it was the last of a run of fewer samples; it is computed anew")
             path.unlink()
+        elif not fault:
+            good.add(chunk.number)
         else:
             say(f"{chunk.name}: {fault}; it is put aside in {place}")
             place.mkdir(exist_ok=True)
