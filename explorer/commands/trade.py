@@ -9,19 +9,18 @@ from typing import Any
 from explorer import compiled
 from explorer.commands import Answer, trade_report
 from explorer.commands.run import add_scene, given_by
-from explorer.errors import InputError, flag, note, positive, said, whole
+from explorer.errors import InputError, flag, note, positive, said
 from explorer.motion import calibration
 from explorer.motion.reference_samples import ReferenceSamples
 from explorer.motion.work_precision import Measured, Row, curves, largest_errors, measure, only_errors
 from explorer.phase.disk import Disk
 from explorer.phase.paths import made_folder, path_of
 from explorer.runs.settings import Settings
-from explorer.scenes.options import Options, Reader, option, options_of
-from explorer.scenes.scene import SampledScene, Scene, scene_class
+from explorer.scenes.options import Options, Reader, option, options_of, whole_from
+from explorer.scenes.scene import Scene, scene_class
 
 # The time of fewer passages or tilts is mostly that of the call.
-FEWEST, FEWEST_MOTIONS, MOTIONS = 256, 64, 1024
-MOST, MOST_MOTIONS = 1_000_000, 100_000  # beyond, a percentile gains nothing and every setting takes minutes
+FEWEST, MOTIONS = 256, 1024
 # Without a scene: passages at all these distances from F, natural units.
 PLAIN, ALL_DISTANCES = "race-angles", (1e-8, 1.0)
 # Errors are calibrated on all of these too, so that they hold for bodies nobody measured.
@@ -30,20 +29,11 @@ _OF_EACH_BODY = 1024, 64  # passages, motions
 _MEASURED = ("method", "accuracy")
 
 
-def _motions(name: str, value: Any) -> int:
-    count = whole(name, value, 0, MOST_MOTIONS)
-    if 0 < count < FEWEST_MOTIONS:
-        raise InputError(f"{name} {count}: so few do not tell methods apart; give {FEWEST_MOTIONS} or more, or 0")
-    return count
-
-
 class Trading(Options):
     """What is measured beside the samples of the scene."""
 
     motions: int = option(
-        Reader(_motions, "N", "int"),
-        f"motions in time, from the first samples, that are measured too: {FEWEST_MOTIONS} or more; 0: none",
-        default=MOTIONS,
+        whole_from(0), "motions in time, from the first samples, that are measured too; 0: none", default=MOTIONS
     )
     t_end: float | None = option(
         Reader(positive, "T", "float | str"),
@@ -126,10 +116,6 @@ def samples_of(
     """The scene, what is to be measured of it, and whether quietly; only the true answers are computed yet."""
     own = {each.name: options[each.name] for each in options_of(Trading) if each.name in options}
     asked, made = Trading.of(own), scene_for(scene, {k: v for k, v in options.items() if k not in own})
-    if isinstance(made, SampledScene) and made.samples > MOST:
-        raise InputError(
-            f"samples {made.samples}: all are followed by every method at every setting; give {MOST:,} at most"
-        )
     possible = made.reference_samples(asked.motions or 1, asked.t_end)
     reference_samples = [samples for samples in possible if asked.motions or not samples.in_time]
     if not reference_samples:

@@ -24,7 +24,6 @@ from explorer.errors import InputError, RunError, shown
 from explorer.phase.paths import made_folder, path_of
 from explorer.runs import store
 from explorer.runs.machine import arithmetic, machine
-from explorer.runs.settings import KNOWN_FORMATS
 from explorer.scenes.options import plain
 from explorer.scenes.scene import Scene, file_of, scene_class, scene_of
 from explorer.version import installed_version
@@ -88,12 +87,6 @@ def read_record(folder: Path) -> dict[str, Any]:
             other = f"another version of nearflat wrote it (format {shown(record.get('format'))}, not {FORMAT})"
             raise InputError(f"{path}: {other}; use that version, or {anew}")
         digest_of_identity(record)  # which looks at what others need
-        if (
-            type(record["chunks"]) is not int
-            or {*record["formats"]} - {*KNOWN_FORMATS}
-            or {type(name) for name in record["arithmetic"]} - {str}
-        ):
-            raise TypeError("chunks, formats or arithmetic")
     except (RunError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: is damaged ({error}); {anew}") from None
     return record

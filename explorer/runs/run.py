@@ -305,7 +305,10 @@ class Run:
         >>> ex.run("race-angles", samples=1000).changed()
         []
         """
-        return [each for part in self.parts for each in folders.changed(part.identity, lambda part=part: part.scene)]
+        return [each for part in self.parts for each in part._changed()]
+
+    def _changed(self) -> list[str]:
+        return folders.changed(self.identity, lambda: self.scene)
 
     def _faults(self) -> list[str]:
         known, chunks, due = self.identity, self.chunks, self._due
@@ -319,7 +322,9 @@ class Run:
         told = self.folder and self.folder / "summary.json"
         if not faults and told and told.exists():
             with contextlib.suppress(InputError):  # without the file of a user's scene nothing is added up
-                if not told.is_file() or told.read_bytes() != store.as_json(Run(self.scene, folder=self.folder).summary):
+                if not told.is_file() or told.read_bytes() != store.as_json(
+                    Run(self.scene, folder=self.folder).summary
+                ):
                     faults.append("summary.json: does not belong to these chunks; run `nearflat summary`")
         return faults
 

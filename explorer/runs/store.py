@@ -24,7 +24,6 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from explorer.errors import RunError, shorten
-from explorer.phase.columns import COLUMNS
 from explorer.phase.results import status_codes, to_arrow
 from explorer.scenes.scene import Scene, Table
 
@@ -130,7 +129,7 @@ def make_chunk(scene: Scene, index: int, identity: str, folder: Path | None) -> 
         table, tally = scene.chunk(index)
     with scene.running("columns"):
         arrow = as_arrow(scene, table)
-        _check_columns(scene, arrow.schema)
+        arrow.select(list(scene.columns))  # fails where one is missing
         read = {name: _values(arrow.column(name)) for name in table if table[name].dtype.kind not in "fiub"}
     note: dict[str, Any] = {"index": index, "identity": identity, "samples": scene.length(index)}
     with scene.running("tally"):
@@ -152,17 +151,6 @@ def as_arrow(scene: Scene, table: Table) -> pa.Table:
     own = scene.columns if isinstance(scene.columns, dict) else {}
     fields = [field.with_metadata(own[field.name].texts) if field.name in own else field for field in arrow.schema]
     return arrow.cast(pa.schema(fields)) if own else arrow
-
-
-def _check_columns(scene: Scene, schema: pa.Schema) -> None:
-    """Raise ValueError where a column that the scene names is missing or has another type; there may be others."""
-    known = {name: COLUMNS[name].kind for name in scene.columns if name in COLUMNS}
-    due = to_arrow({name: np.empty(0, np.int8 if kind == "status" else kind) for name, kind in known.items()})
-    for name in scene.columns:
-        if name not in schema.names:
-            raise ValueError(f"column {name!r} is missing")
-        if name in known and schema.field(name).type != due.schema.field(name).type:
-            raise ValueError(f"column {name!r} holds {schema.field(name).type}, not {due.schema.field(name).type}")
 
 
 def _write_parquet(table: pa.Table, stream: Any, metadata: dict[bytes, bytes]) -> None:
