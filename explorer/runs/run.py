@@ -142,13 +142,11 @@ class Run:
         for part in self.parts:
             due = folders.digest_of_identity(part.identity)
             for said in map(store.Chunk.note, part.complete()):
-                try:
-                    total += self.scene.tally.of_state(said["tally"])
-                except (KeyError, TypeError, ValueError):
-                    due = ""
                 if said["identity"] != due:
                     fault = "its chunks are not those that run.json describes"
                     raise RunError(f"{part.place}: {fault}; see: nearflat verify {part.place}")
+                with self.scene.running("tally"):
+                    total += self.scene.tally.of_state(said["tally"])
                 digests.append(said["digest"])
         with self.scene.running("summarise"):
             numbers = {**self.options, **plain(self.scene.summarise(total))}
@@ -178,27 +176,27 @@ class Run:
     @property
     def status(self) -> Progressed:
         """How far the run is: chunks and samples done, counts of each status, what is missing."""
-        notes, record, lacking = list[dict[str, Any]](), dict[str, Any](), set[str]()
+        due, notes = sum(part._due for part in self.parts), list[dict[str, Any]]()
         for part in self.parts:
             there = {chunk.number: chunk for chunk in part.chunks if chunk.number in range(part._due)}
             for chunk in there.values():
                 with contextlib.suppress(RunError):  # `verify` says what is wrong with it
                     notes.append(chunk.note())
-            if part.folder is not None:
-                record = folders.read_record(part.folder)
-                lacking |= set() if (part.folder / "summary.json").is_file() else {"summary"}
-                lacking |= {"figures"} if record["formats"] and "finished" not in record else set()
-        due = sum(part._due for part in self.parts)
-        lacking |= {"chunks"} if len(notes) < due else set()
+        record = folders.read_record(self.folder) if self.folder else {}
+        lacking = {
+            "chunks": len(notes) < due,
+            "figures": record.get("formats") and "finished" not in record,
+            "summary": self.folder and not (self.folder / "summary.json").is_file(),
+        }
         return Progressed(
             str(self.parts[0].identity["options"]["scene"]),
             due,
             len(notes),
             sum(note["samples"] for note in notes),
             dict(sum((note["tally"]["status"] for note in notes), ByName[int]())),
-            None if self._parts else record.get("finished"),
-            None if self._parts else record.get("seconds_for_chunks"),
-            tuple(sorted(lacking)),
+            record.get("finished"),
+            record.get("seconds_for_chunks"),
+            tuple(name for name, is_so in lacking.items() if is_so),
         )
 
     @property

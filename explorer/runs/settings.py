@@ -103,9 +103,7 @@ def asked(name: Any, given: Mapping[str, Any], command: str | None = None, exist
     name: as `scene_class` takes it, or a scene. command: the command line, where there is one; then the run always
     has a folder. exist: what becomes of a run in the folder, unless it is said. Raises InputError.
     """
-    own = {each.name: given[each.name] for each in options_of(Settings) if given.get(each.name) is not None}
-    settings = Settings.of({"exist": exist, **own})
-    rest = {key: value for key, value in given.items() if key not in own and value is not None}
+    settings, rest = Settings.apart({"exist": exist, **{k: v for k, v in given.items() if v is not None}})
     if settings.rng is not None:
         if "seed" in rest:
             raise InputError("rng and seed say the same; leave one out")

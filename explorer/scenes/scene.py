@@ -152,8 +152,8 @@ class Scene(Options, ABC):
 
     @property
     def label(self) -> str:
-        """Names the disk in the name of a folder."""
-        return self.disk.name
+        """Names the disk, or several, in the name of a folder."""
+        return "+".join(disk["name"] for disk in self.options["disks"])
 
     @property
     def kernels(self) -> tuple[str, ...]:
@@ -249,9 +249,7 @@ class SampledScene(Scene):
         """The rows of a block that are stored."""
         if self.keep == "all":
             return table
-        if self.keep == "none":
-            return {name: values[:0].copy() for name, values in table.items()}
-        rows = self.near(table)
+        rows = self.near(table) & (self.keep == "near")
         return table if rows.all() else {name: values[rows] for name, values in table.items()}
 
 
@@ -360,10 +358,7 @@ def _in_file(where: str) -> type[Scene]:
     if Path(str(module.__file__)).resolve() != file:
         raise InputError(f"scene {where}: {file.stem} is the name of another module; rename the file")
     own = {each: kind for each, kind in vars(module).items() if isinstance(kind, type) and issubclass(kind, Scene)}
-    if name not in own:
-        known = ", ".join(each for each, kind in own.items() if kind.__module__ == module.__name__)
-        raise InputError(f"scene {where}: {name} is no scene there; known: {known}")
-    return own[name]
+    return own[one_of(f"scene {where}:", name, [each for each in own if own[each].__module__ == module.__name__])]
 
 
 def file_of(kind: type[Scene]) -> str | None:

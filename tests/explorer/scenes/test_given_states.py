@@ -58,11 +58,11 @@ def test_a_stored_run_is_read_without_the_file_of_its_states_and_says_what_it_ca
     assert "which are no states (bad_input) cannot be said" in out
     assert ex.open(folder).summary == run.summary
     run.chunks[2].content.unlink()
-    status, _, err = said(capsys, "resume", folder)
+    status, _, err = said(capsys, "resume", folder, "--no-figures")
     assert (status, len(err.splitlines())) == (2, 1)
     assert f"{path}: cannot be read (No such file or directory); put" in err
     (tmp_path / "moved.csv").rename(path)
-    assert said(capsys, "resume", folder)[0] == 0
+    assert said(capsys, "resume", folder, "--no-figures")[0] == 0
     assert ex.open(folder).summary == run.summary
 
 

@@ -187,7 +187,7 @@ class Coins(SampledScene):
         ("SampledScene):", "SampledScene)", "", "SyntaxError"),
         ("heads: int", "heads: dict", ".count", "TypeError"),
         ("= HeadCounts,", "= dict,", ".observe", "AttributeError: 'dict' object has no attribute 'status'"),
-        ('("status",)', '("status", "theta_min")', ".columns", "column 'theta_min' is missing"),
+        ('("status",)', '("status", "theta_min")', ".columns", 'Field "theta_min" does not exist'),
         ('("status",)', "3", ".columns", "TypeError: 'int' object is not iterable"),
         ("def draw", "def drawn", ".draw", r"a scene offers draw(random, count)"),
         ("random(count)", "random(3)", ".draw and observe", "3 samples, not 100"),
