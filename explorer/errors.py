@@ -122,7 +122,7 @@ def number(name: str, value: Any, low: float = -math.inf, high: float = math.inf
     Raises
     ------
     InputError
-        Where `value` is no finite number from `low` to `high`. The message names all three.
+        If `value` is no finite number from `low` to `high`. The message names all three.
     """
     read = double_of(value)
     if read is None:
@@ -171,7 +171,7 @@ def whole(name: str, value: Any, low: int = 0, high: int | None = None) -> int:
     Raises
     ------
     InputError
-        Where `value` is not such a number. The message names `value`, `low` and `high`.
+        If `value` is not such a number. The message names `value`, `low` and `high`.
     """
     plain = plain_number(value)
     if isinstance(plain, str) and _WHOLE.fullmatch(plain.strip()):

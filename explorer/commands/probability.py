@@ -52,7 +52,7 @@ class Question(Coordinates):
     count: int = option(whole_from(1), "number of bounces to look at; two give all values of theta_min", default=1)
     samples: int = option(
         whole_from(10),
-        "plain draws; a sixteenth as many, and 4,096 at least, beside the falling set at each face",
+        "plain draws; an eighth as many, and 4,096 at least, beside the falling set at each face",
         default=1_000_000,
     )
     accuracy: float = option(NUMBER._replace(metavar="TOL"), "relative, of theta_min", default=1e-6)

@@ -25,6 +25,7 @@ from explorer.measure.sampling import (
     Stream,
     box_of,
     gather,
+    pair_said,
     read_gaussians,
     read_ranges,
 )
@@ -68,9 +69,10 @@ class Density:
             low, high = self.energy
             raise InputError(f"energy {low:g}:{high:g} is empty; give LOW:HIGH, the smaller number first")
         for name, (mean, deviation) in self.gaussian:
-            told = f"gaussian {name} = {mean:g}:{deviation:g}"
+            told = f"gaussian {pair_said(name, mean, deviation)}"
             if name not in self.box.ranges:
-                raise InputError(f"{told}: box has {', '.join(self.box.ranges)}; give one of them")
+                there = ", ".join(self.box.ranges)
+                raise InputError(f"{told}: box has {there}; give one of them, or a box that has {name}")
             low, high = self.box.ranges[name]
             if low == high:
                 raise InputError(f"{told}: the box fixes it; give {name} a range in box")

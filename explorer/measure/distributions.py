@@ -20,6 +20,7 @@ _TILTS, _SPEEDS = ("phi", "theta", "tilt"), ("phidot", "thetadot", "tilt_rate", 
 # Shares of a distribution below its nodes, and by symmetry above: a third of them in its middle, the others
 # where it is as thin as a tail that the falling set may need.
 _MIDDLE = np.linspace(0.02, 0.98, 25)
+_OF_FROZEN = "pdf", "ppf", "isf", "rvs", "support"  # those of scipy.stats that are not frozen have them, too
 _LARGEST = 1e60  # nodes beyond are left out: energies would overflow
 _TAIL = 10.0 ** -np.geomspace(2, 300, 25)
 
@@ -41,7 +42,7 @@ class Coordinate:
         """From a distribution, a range, a number, or text such as "norm:20:2". Raises InputError."""
         if hasattr(given, "pmf"):
             raise InputError(f"{name} = {shown(given)} is discrete; give a continuous distribution")
-        if all(hasattr(given, word) for word in ("pdf", "ppf", "isf", "rvs", "support")):
+        if all(hasattr(given, word) for word in _OF_FROZEN) and not hasattr(given, "freeze"):
             return cls(name, given, math.nan, unit)
         if isinstance(given, str) and given[:1].isalpha() and double_of(given) is None:
             return cls(name, _by_name(name, given), math.nan, unit)
@@ -140,7 +141,7 @@ class Distribution:
     def of(cls, disk: Disk, given: Mapping[str, Any], degrees: bool) -> "Distribution":
         """From what users give by name. Raises InputError."""
         there = {name: value for name, value in given.items() if value is not None}
-        chart, values = chart_of("probability", there, 0.0)
+        chart, values = chart_of("coordinates", there, 0.0)
         face = sign("face", values.pop("face", 1))
         angles = chart.in_radians(values) if degrees else ()
         found = {

@@ -61,7 +61,7 @@ class FallingConstant(Table):
     error : float
         Estimate of its absolute error.
     plus, minus : float
-        What both faces contribute. Where a box fixes sigma3 = 0 or sigma4 = 0 some states come flat on both
+        What each face contributes. If the box fixes sigma3 = 0 or sigma4 = 0, some states come flat on both
         faces; `value` counts them once.
     mass : float
         Integral of the density over the box, natural units.
@@ -122,12 +122,12 @@ def falling_constant(
     Raises
     ------
     InputError
-        Where an argument cannot be used, the density is zero in all of the box, or the integral of a function
-        overflows, underflows, or has an error above its value.
+        If an argument cannot be used, if the density is zero everywhere in the box, or if the integral of a
+        function overflows, underflows, or has an error above its value.
 
     Notes
     -----
-    C does not say how small delta must be. Where states begin nearly flat, P at 1e-3 may exceed C delta a
+    C does not say how small delta must be. If states begin nearly flat, P at 1e-3 may exceed C delta a
     thousandfold; `probability` tries it out, and says in `law.holds_below` from where on the law holds.
 
     A function that is large only in less than a twentieth of the box may be missed: shrink the box to it. For a

@@ -1,8 +1,8 @@
 """Draws beside the falling set for a distribution of initial states: importance sampling of rare tilts.
 
-A state beside F on one face is (tilt, speed, sigma3_bar, eta_hat). The tilt and sigma3_bar are drawn from a
-table of the density on F, the speed from its own distribution, and eta_hat evenly within the tube of
-`measure.tubes`. What lies so near flat that no tube holds it is drawn plainly.
+A state beside F on one face is (tilt, speed, sigma3_bar, eta_hat). eta_hat is drawn evenly within the tube of
+`measure.tubes`, and all else from the user's distributions; the tilt more often where states come near F, as some
+first draws tell. What lies so near flat that no tube holds it is drawn plainly.
 """
 
 import math
@@ -15,14 +15,15 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.measure import laws
-from explorer.measure.distributions import Coordinate, Distribution
+from explorer.measure.distributions import Distribution
 from explorer.measure.laws import Estimate
 from explorer.measure.sampling import Stream
 from explorer.measure.tubes import TiltAndRate, counts_on, half_width
 from explorer.motion.orbits import KERNELS as OF_ENDS
 from explorer.motion.orbits import ends_of, smallest, tilts_on
 from explorer.motion.starts import arc_starts_of, face_of, status_at_start
-from explorer.phase.lines import LineChart, motion_given, other_eta_hat
+from explorer.phase.disk import Disk
+from explorer.phase.lines import motion_given, other_eta_hat
 from explorer.phase.states import Array, States
 
 BLOCK = 1 << 14
@@ -33,13 +34,10 @@ KERNELS = (  # for `compiled.warmup`
 # Tilts below this many delta are drawn plainly: above, the width of a tube settles in a few rounds. With a larger
 # delta than this they would be all there are.
 _BESIDE_FLAT, LARGEST_DELTA = 10.0, 0.1
-_SPLIT = 8  # of the cells between two nodes of the tilt: the density on F may be narrower than that of the tilt
-# Share of draws from the coordinates' own distributions: it bounds the weights where the table knows too little.
+_TOWARDS_FLAT = 57  # edges of cells from 1e-13 rad on, four in a decade
+_PILOT = 64  # draws of a cell, which say how often the others come from it
+# Least share of tilts, and of pairs, that are drawn from their own distributions: no weight exceeds one over it.
 _OWN = 0.15
-# And the share of draws whose pair is not drawn beside F: the largest where most of the distribution lies within
-# the tube, the least elsewhere, for where no width of a tube settles.
-_MOST_PLAIN, _LEAST_PLAIN = 0.8, 0.05
-_PAIRS = 256  # by which that is known
 # Distance from flat that an angle from elsewhere resolves to 1e-4
 _RESOLVED = 1e-12
 
@@ -102,59 +100,18 @@ class NearFallingSet:
 
     def below(self, delta: float, random: Stream, draws: int) -> Rare:
         """P(theta_min < delta), by so many draws at each face."""
-        tables = [_Table.of(self.source, face, delta) for face in (1, -1)]
-        strata = [[self._on_face(table, random, n) for n in _blocks(draws)] for table in tables if table.own.any()]
+        tubes = [_Tube(self.source, face, delta) for face in (1, -1)]
+        strata = [[self._in_tube(tube, random, n) for n in _blocks(draws)] for tube in tubes if tube.own.any()]
         strata += [[self._beside_flat(*end, random, n) for n in _blocks(draws // 4)] for end in self._flat(delta)]
         return _added([_sums(parts, delta) for parts in strata])
 
-    def _on_face(self, table: "_Table", random: Stream, count: int) -> Weighted:
-        """Draws in the tube of a table.
-
-        Their weight is the density of the distribution over that of the draws, which is a mixture: with the share
-        `plain` of a cell the pair comes from its own distribution; else sigma3_bar comes from the table, or is set
-        by a number of the pair, and eta_hat evenly from the tube.
-        """
-        source, disk, face = self.source, self.source.disk, table.face
-        cell, tilt = table.draw_tilt(random, count)
-        q, z = source.place(tilt)
-        pair = source.spins(q, z, face)
-        speed = source.speed.draw(random, count)
-        given = source.speed.name == "energy"
-        place = TiltAndRate.of(disk, q, face * z, np.zeros(count) if given else source.phidot(speed))
-        bar = table.draw_bar(cell, pair, random)
-        plainly = random.random(count) < table.plain[cell]
-        own = table.draw_pair(pair, random)
-        bar = np.where(plainly, own[0], bar)
-
-        def energy(eta: Array) -> Array:
-            if given:
-                return speed / disk.energy_unit
-            return np.nan_to_num(place.energy(table.bar_at(bar, eta, pair), eta), nan=np.inf)
-
-        with np.errstate(over="ignore", invalid="ignore"):
-            half, settled = half_width(disk, table.delta, energy, np.full(count, np.inf))
-            half = np.where(settled, half, np.inf)
-            evenly = np.where(settled, half, 0.0) * (2.0 * random.random(count) - 1.0)
-            eta = np.where(plainly, own[1], evenly)
-            bar = table.bar_at(bar, eta, pair)
-            tilts, pairs = source.tilt.density(tilt), table.pair_density(pair, bar, eta)
-            within = np.where(abs(eta) <= half, table.bar_density(cell, pair, bar) / (2.0 * half), 0.0)
-            drawn = (1.0 - table.plain[cell]) * within + table.plain[cell] * pairs
-            weight = np.nan_to_num(tilts * pairs / (table.tilt_density(cell) * drawn), nan=0.0, posinf=0.0)
-            if given:
-                left = energy(eta) - place.energy(bar, eta)
-                weight = np.where(left >= 0.0, weight, 0.0)
-                place = replace(place, phidot=np.sqrt(2.0 / disk.body.M * np.maximum(left, 0.0)))
-        weight[~counts_on(face, eta, other_eta_hat(disk, bar, eta)) | ~np.isfinite(bar)] = 0.0
-        weight[~plainly & ~settled] = 0.0  # no tube, no draw in it
-        rows = np.flatnonzero((weight > 0.0) & (abs(eta) <= half))
+    def _in_tube(self, tube: "_Tube", random: Stream, count: int) -> Weighted:
+        """Draws of a tube, and where in it they come to."""
+        drawn = tube.draw_beside_f(random, count)
+        rows = np.flatnonzero((drawn.weight > 0.0) & drawn.within)
         theta = np.full(count, np.inf)
-        s3, s4 = place.chart.rates(bar, eta)
-        natural = np.stack([q, z, -place.phidot, s3 / q, face * s4])[:, rows]
-        motion = motion_given(disk, bar[rows], eta[rows], np.full(rows.size, face > 0))
-        states = States(disk, np.ascontiguousarray(natural), np.zeros(rows.size, np.int8), motion)
-        theta[rows] = smallest_tilts(states, self.count, self.accuracy)[0]
-        return Weighted(weight, theta)
+        theta[rows] = smallest_tilts(drawn.states(self.source.disk, tube.face, rows), self.count, self.accuracy)[0]
+        return Weighted(drawn.weight, theta)
 
     def _flat(self, delta: float) -> Iterator[tuple[float, float]]:
         """The ranges of the tilt that lie beside flat, where its density is not zero there."""
@@ -179,103 +136,140 @@ class NearFallingSet:
 
 
 @dataclass(frozen=True)
-class _Table:
-    """How often states come flatter than delta beside F of a face, by cells of the tilt and of sigma3_bar.
+class _Drawn:
+    """Draws at given tilts. weight: the density of the distribution over theirs; within: those in the tube."""
 
-    edges: of the cells of the tilt (n + 1), equal where it is a number. bars: (n, k + 1) edges of those of
-    sigma3_bar, k = 0 where the pair sets it. share: (n, max(k, 1)), by which sigma3_bar is drawn at a tilt.
-    hits: (n) how often the pair lies in the tube, roughly; where that is mostly so, beside flat, most draws are
-    of its own distribution.
-    """
+    place: TiltAndRate
+    bar: Array
+    eta: Array
+    weight: Array
+    within: NDArray[np.bool_]
+
+    def states(self, disk: Disk, face: int, rows: NDArray[np.intp]) -> States:
+        """Some of them as states, whose eta_hat keeps its digits."""
+        place, (s3, s4) = self.place, self.place.chart.rates(self.bar, self.eta)
+        natural = np.stack([place.q, face * place.z, -place.phidot, s3 / place.q, face * s4])[:, rows]
+        motion = motion_given(disk, self.bar[rows], self.eta[rows], np.full(rows.size, face > 0))
+        return States(disk, np.ascontiguousarray(natural), np.zeros(rows.size, np.int8), motion)
+
+
+@dataclass(frozen=True)
+class _Tube:
+    """Where states come flatter than delta beside F of a face."""
 
     source: Distribution
     face: int
     delta: float
-    edges: Array
-    bars: Array
-    share: Array
-    hits: Array
 
-    @classmethod
-    def of(cls, source: Distribution, face: int, delta: float) -> "_Table":
-        disk, edges = source.disk, _cells(source.tilt, _BESIDE_FLAT * delta)
-        middle = 0.5 * (edges[1:] + edges[:-1])
-        pair = source.spins(*source.place(middle), face)
-        with np.errstate(all="ignore"):
-            bars, at = _bars(source, pair)
-            step = np.diff(bars, axis=1) if bars.shape[1] else 1.0
-            share = _pair_density(source, pair[..., None], at, 0.0) * step * _impact(source, middle, face, at)
-        share = np.nan_to_num(share, nan=0.0, posinf=0.0)
-        on_f = share.sum(axis=1) * disk.eta_to_eta_hat(2.0 * math.sqrt(2.0 * disk.body.I1)) * delta
-        hits = np.minimum(np.maximum(on_f, _within(source, middle, face, delta)), 1.0)
-        return cls(source, face, delta, edges, bars, share, hits)
+    @cached_property
+    def edges(self) -> Array:
+        """Of the cells of the tilt, outside of what lies beside flat; twice the same where it is a number."""
+        tilt, beside = self.source.tilt, _BESIDE_FLAT * self.delta
+        if not tilt.free:
+            return np.repeat(tilt.nodes, 2)
+        low, high = (-0.5 * math.pi, 0.5 * math.pi) if tilt.name == "phi" else (0.0, math.pi)
+        low, high = low + beside, high - beside
+        # Towards flat cells shrink, where the density does not vanish there.
+        towards = np.geomspace(max(beside, 1e-13), 0.1, _TOWARDS_FLAT)
+        edges = np.unique(np.concatenate([np.clip(tilt.nodes, low, high), low + towards, high - towards]))
+        edges = edges[(edges >= max(low, tilt.nodes[0])) & (edges <= min(high, tilt.nodes[-1]))]
+        return edges if edges.size > 1 else np.array([low, high])
 
-    @property
-    def plain(self) -> Array:
-        """Of draws in each cell, the share whose pair comes from its own distribution."""
-        return np.maximum(_LEAST_PLAIN, _MOST_PLAIN * self.hits)
+    @cached_property
+    def _widths(self) -> Array:
+        """Widths of the cells; 1 of a number."""
+        return np.diff(self.edges) if self.source.tilt.free else np.ones(1)
 
     @cached_property
     def own(self) -> Array:
         """How often the tilt itself lies in its cells."""
-        middle = 0.5 * (self.edges[1:] + self.edges[:-1])
-        return self.source.tilt.density(middle) * _widths(self.edges)
+        return self.source.tilt.density(0.5 * (self.edges[1:] + self.edges[:-1])) * self._widths
 
     @cached_property
-    def tilts(self) -> Array:
-        """By which cells of the tilt are drawn."""
+    def hits(self) -> Array:
+        """How often a state whose tilt lies in a cell lies in the tube, as the first draws say."""
+        random, cells = np.random.default_rng(0), np.arange(self.own.size)
+        drawn = self.draw(self._in_cells(np.repeat(cells, _PILOT), random), _OWN, random)
+        hits: Array = (drawn.weight * drawn.within).reshape(-1, _PILOT).mean(axis=1)
+        return hits
+
+    @cached_property
+    def shares(self) -> Array:
+        """How often each cell is drawn: as often as it has hits, and some as often as the tilt lies there."""
         hits = self.own * self.hits
         hits = hits if hits.any() else self.own
-        drawn: Array = (1.0 - _OWN) * hits / hits.sum() + _OWN * self.own / self.own.sum()
-        return drawn
+        shares: Array = (1.0 - _OWN) * hits / hits.sum() + _OWN * self.own / self.own.sum()
+        return shares
 
-    def draw_tilt(self, random: Stream, count: int) -> tuple[NDArray[np.intp], Array]:
-        """Cells and tilts."""
-        cell = _place_in(np.cumsum(self.tilts), random.random(count))
-        return cell, self.edges[cell] + np.diff(self.edges)[cell] * random.random(count)
+    def draw_beside_f(self, random: Stream, count: int) -> _Drawn:
+        """Draws of all coordinates; where most states lie in the tube, most pairs are drawn as distributed."""
+        cell = random.choice(self.shares.size, count, p=self.shares)
+        tilt = self._in_cells(cell, random)
+        drawn = self.draw(tilt, np.clip(self.hits, _OWN, 1.0 - _OWN)[cell], random)
+        of_tilts = self.source.tilt.density(tilt) * self._widths[cell] / self.shares[cell]
+        return replace(drawn, weight=of_tilts * drawn.weight)
 
-    def tilt_density(self, cell: NDArray[np.intp]) -> Array:
-        """The density that these tilts were drawn from."""
-        density: Array = self.tilts[cell] / _widths(self.edges)[cell]
-        return density
+    def _in_cells(self, cell: NDArray[np.intp], random: Stream) -> Array:
+        """A tilt in each of these cells."""
+        inside: Array = self.edges[cell] + np.diff(self.edges)[cell] * random.random(cell.size)
+        return inside
 
-    @cached_property
-    def _summed(self) -> Array:
-        """Running sums of the cells of sigma3_bar, row by row, each from 0 to 1 beyond the one before."""
-        total = self.share.sum(axis=1, keepdims=True)
-        even = np.where(total > 0.0, self.share, 1.0) / np.where(total > 0.0, total, self.share.shape[1])
-        summed: Array = np.minimum(np.cumsum(even, axis=1), 1.0)
-        summed[:, -1] = 1.0
-        return summed
+    def draw(self, tilt: Array, plain: Array | float, random: Stream) -> _Drawn:
+        """A speed and a pair for each of these tilts.
 
-    def draw_bar(self, cell: NDArray[np.intp], pair: Array, random: Stream) -> Array:
-        """sigma3_bar of these cells, some from the distribution of one of the pair; 0 where the pair sets it."""
-        count = cell.size
-        if not self.bars.shape[1]:
-            return np.zeros(count)
-        rows = np.arange(self.share.shape[0])[:, None]
-        found = np.searchsorted((self._summed + rows).ravel(), cell + random.random(count), "right")
-        j = np.clip(found - cell * self.share.shape[1], 0, self.share.shape[1] - 1)
-        low, high = self.bars[cell, j], self.bars[cell, j + 1]
-        which = random.random(count) < self._first_share
-        with np.errstate(divide="ignore", invalid="ignore"):
-            alone = [each.draw(random, count) / pair[i, 0] for i, each in enumerate(self.source.pair)]
-        drawn = low + (high - low) * random.random(count)
-        bar: Array = np.where(random.random(count) < _OWN, np.where(which, *alone), drawn)
-        return bar
-
-    def bar_density(self, cell: NDArray[np.intp], pair: Array, bar: Array) -> Array:
-        """The density of `draw_bar`; 1 where it draws nothing."""
-        if not self.bars.shape[1]:
-            return np.ones(cell.size)
-        j = np.clip((self.bars[cell] <= bar[:, None]).sum(axis=1) - 1, 0, self.share.shape[1] - 1)
-        low, high = self.bars[cell, j], self.bars[cell, j + 1]
-        share = self._summed[cell, j] - np.where(j > 0, self._summed[cell, j - 1], 0.0)
+        The speed comes from its own distribution, and in the share `plain` of the draws so does the pair. In the
+        others one of the pair does, which says sigma3_bar on F, and eta_hat is even in the tube. Both together are
+        a mixture, whose density is known.
+        """
+        source, disk, count = self.source, self.source.disk, tilt.size
+        q, z = source.place(tilt)
+        pair, speed = source.spins(q, z, self.face), source.speed.draw(random, count)
+        given = source.speed.name == "energy"
+        place = TiltAndRate.of(disk, q, self.face * z, np.zeros(count) if given else source.phidot(speed))
         with np.errstate(all="ignore"):
-            table = np.nan_to_num(np.where((bar >= low) & (bar < high), share / (high - low), 0.0), nan=0.0)
-            alone = [each.density(pair[i, 0] * bar) * abs(pair[i, 0]) for i, each in enumerate(self.source.pair)]
-        first = self._first_share
-        density: Array = (1.0 - _OWN) * table + _OWN * (first * alone[0] + (1.0 - first) * alone[1])
+            plainly, own = random.random(count) < plain, self._pair(pair, random)
+            bar = np.where(plainly, own[0], self._bar_on_f(pair, random))
+
+            def energy(eta: Array) -> Array:
+                if given:
+                    return speed / disk.energy_unit
+                return np.nan_to_num(place.energy(self._bar_at(bar, eta, pair), eta), nan=np.inf)
+
+            half, settled = half_width(disk, self.delta, energy, np.full(count, np.inf))
+            evenly = np.where(settled, half, 0.0) * (2.0 * random.random(count) - 1.0)
+            eta = np.where(plainly, own[1], evenly)
+            bar = self._bar_at(bar, eta, pair)
+            within = settled & (abs(eta) <= half)
+            target = self._pair_density(pair, bar, eta)
+            tube = np.where(within, self._bar_density(pair, bar) / (2.0 * half), 0.0)
+            weight = np.nan_to_num(target / ((1.0 - plain) * tube + plain * target), nan=0.0, posinf=0.0)
+            left = energy(eta) - place.energy(bar, eta)
+        if given:
+            weight = np.where(left >= 0.0, weight, 0.0)
+            place = replace(place, phidot=np.sqrt(2.0 / disk.body.M * np.maximum(left, 0.0)))
+        counted = counts_on(self.face, eta, other_eta_hat(disk, bar, eta)) & np.isfinite(bar) & (settled | plainly)
+        return _Drawn(place, bar, eta, np.where(counted, weight, 0.0), within | ~settled)
+
+    @property
+    def _fixed(self) -> int | None:
+        """Which of the pair is a number: it sets sigma3_bar, and only eta_hat is drawn."""
+        return next((i for i, each in enumerate(self.source.pair) if not each.free), None)
+
+    def _pair(self, pair: Array, random: Stream) -> tuple[Array, Array]:
+        """sigma3_bar and eta_hat of draws of the pair."""
+        first, second = (each.draw(random, pair.shape[-1]) for each in self.source.pair)
+        (m3, n3), (m4, n4) = pair
+        determinant = m3 * n4 - m4 * n3
+        return (n4 * first - n3 * second) / determinant, (m3 * second - m4 * first) / determinant
+
+    def _pair_density(self, pair: Array, bar: Array, eta: Array) -> Array:
+        """The density of the pair in sigma3_bar and eta_hat, or in eta_hat alone where one is a number."""
+        (m3, n3), (m4, n4) = pair
+        density: Array = abs(m3 * n4 - m4 * n3)
+        if self._fixed is not None:
+            density = density / abs(pair[self._fixed, 0])
+        for each, (m, n) in zip(self.source.pair, pair, strict=True):
+            density = density * each.density(m * bar + n * eta)
         return density
 
     @property
@@ -283,124 +277,26 @@ class _Table:
         """How often the first of the pair says sigma3_bar: always where the other does not depend on it."""
         return 1.0 if self.source.pair[1].name == "eta_hat" else 0.5
 
-    def draw_pair(self, pair: Array, random: Stream) -> tuple[Array, Array]:
-        """sigma3_bar and eta_hat of the pair's own distributions."""
-        first, second = (each.draw(random, pair.shape[-1]) for each in self.source.pair)
-        return _constants(pair, first, second)
+    def _bar_on_f(self, pair: Array, random: Stream) -> Array:
+        """sigma3_bar of the states on F with draws of one of the pair."""
+        count = pair.shape[-1]
+        each: list[Array] = [one.draw(random, count) / pair[i, 0] for i, one in enumerate(self.source.pair)]
+        return np.where(random.random(count) < self._first_share, *each)
 
-    def bar_at(self, bar: Array, eta: Array, pair: Array) -> Array:
+    def _bar_density(self, pair: Array, bar: Array) -> Array:
+        """The density of these; 1 where a number of the pair sets them."""
+        if self._fixed is not None:
+            return np.ones(bar.size)
+        first, second = (one.density(pair[i, 0] * bar) * abs(pair[i, 0]) for i, one in enumerate(self.source.pair))
+        density: Array = self._first_share * first + (1.0 - self._first_share) * second
+        return density
+
+    def _bar_at(self, bar: Array, eta: Array, pair: Array) -> Array:
         """sigma3_bar where one of the pair is a number, which sets it; else as it is."""
-        fixed = _fixed(self.source)
-        if fixed is None:
+        if self._fixed is None:
             return bar
-        with np.errstate(divide="ignore", invalid="ignore"):
-            set_by: Array = (self.source.pair[fixed].value - pair[fixed, 1] * eta) / pair[fixed, 0]
+        set_by: Array = (self.source.pair[self._fixed].value - pair[self._fixed, 1] * eta) / pair[self._fixed, 0]
         return set_by
-
-    def pair_density(self, pair: Array, bar: Array, eta: Array) -> Array:
-        """The density of the pair in sigma3_bar and eta_hat, or in eta_hat alone where one is a number."""
-        return _pair_density(self.source, pair, bar, eta)
-
-
-def _within(source: Distribution, tilt: Array, face: int, delta: float) -> Array:
-    """Which share of a few pairs comes flatter, to leading order, from each of these tilts at the middle speed."""
-    random, disk, n = np.random.default_rng(0), source.disk, tilt.size
-    q, z = source.place(tilt)
-    first, second = (each.draw(random, _PAIRS) for each in source.pair)
-    with np.errstate(all="ignore"):
-        bar, eta = _constants(source.spins(q, z, face)[..., None], first, second)
-        speed = np.full(n, np.median(source.speed.nodes))
-        given = source.speed.name == "energy"
-        place = TiltAndRate.of(disk, q, face * z, np.zeros(n) if given else source.phidot(speed))
-        columns = replace(place, chart=LineChart(*(column[:, None] for column in place.chart)))
-        wide = replace(columns, tilting=place.tilting[:, None], inertia3=place.inertia3[:, None])
-        energy = np.full_like(bar, speed[0] / disk.energy_unit) if given else wide.energy(bar, eta)
-        reach = np.sqrt(2.0 * disk.body.I1 * (energy - disk.energy_at_flat(bar)))
-        within: Array = (abs(eta) < disk.eta_to_eta_hat(delta * reach)).mean(axis=1)
-    return within
-
-
-def _constants(pair: Array, first: Array, second: Array) -> tuple[Array, Array]:
-    """sigma3_bar and eta_hat from values of the pair."""
-    (m3, n3), (m4, n4) = pair
-    determinant = m3 * n4 - m4 * n3
-    return (n4 * first - n3 * second) / determinant, (m3 * second - m4 * first) / determinant
-
-
-def _fixed(source: Distribution) -> int | None:
-    """Which of the pair is a number."""
-    return next((i for i, each in enumerate(source.pair) if not each.free), None)
-
-
-def _pair_density(source: Distribution, pair: Array, bar: Array, eta: Array | float) -> Array:
-    (m3, n3), (m4, n4) = pair
-    fixed = _fixed(source)
-    density: Array = abs(m3 * n4 - m4 * n3)
-    if fixed is not None:
-        density = density / abs(pair[fixed, 0])
-    for each, (m, n) in zip(source.pair, pair, strict=True):
-        density = density * each.density(m * bar + n * eta)
-    return density
-
-
-def _bars(source: Distribution, pair: Array) -> tuple[Array, Array]:
-    """Edges (n, k + 1) and middles (n, k) of cells of sigma3_bar on F; where the pair sets it, none and itself."""
-    fixed = _fixed(source)
-    if fixed is not None:
-        return np.zeros((pair.shape[-1], 0)), (source.pair[fixed].value / pair[fixed, 0])[:, None]
-    reach = [each.nodes / pair[i, 0][:, None] for i, each in enumerate(source.pair) if pair[i, 0].all()]
-    bars = np.sort(np.concatenate(reach, axis=1), axis=1)
-    return bars, 0.5 * (bars[:, 1:] + bars[:, :-1])
-
-
-def _cells(tilt: Coordinate, beside_flat: float) -> Array:
-    """Edges of the cells of the tilt, outside of what lies beside flat."""
-    low, high = (-0.5 * math.pi, 0.5 * math.pi) if tilt.name == "phi" else (0.0, math.pi)
-    if not tilt.free:
-        return np.repeat(tilt.nodes, 2)
-    low, high = low + beside_flat, high - beside_flat
-    nodes = np.clip(tilt.nodes, low, high)
-    # Towards flat cells shrink, where the density does not vanish there.
-    towards = max(beside_flat, 1e-13) * 10.0 ** np.linspace(0.0, 14.0, 57)
-    towards = towards[towards < 0.1]
-    nodes = np.unique(np.concatenate([nodes, *(low + towards, high - towards)]))
-    nodes = nodes[(nodes >= max(low, tilt.nodes[0])) & (nodes <= min(high, tilt.nodes[-1]))]
-    if nodes.size < 2:
-        nodes = np.array([low, high])
-    parts = np.linspace(0.0, 1.0, _SPLIT, endpoint=False)
-    edges: Array = np.unique([*(nodes[:-1, None] + np.diff(nodes)[:, None] * parts).ravel(), nodes[-1]])
-    return edges
-
-
-def _impact(source: Distribution, tilt: Array, face: int, bar: Array) -> Array:
-    """What the width of a tube is proportional to: sqrt(E - V_0) of states on F, (n, k), 0 where none would fall.
-
-    It is the mean over five speeds, each as likely.
-    """
-    disk, speed = source.disk, source.speed
-    q, z = source.place(tilt)
-    place = TiltAndRate.of(disk, q, face * z, np.zeros_like(q))
-    # On F the energy without tilting is cos(phi) and a multiple of sigma3_bar^2.
-    still = q[:, None] + (place.energy(np.ones_like(q), np.zeros_like(q)) - q)[:, None] * bar * bar
-    speeds = speed.law.ppf([0.1, 0.3, 0.5, 0.7, 0.9]) * speed.unit if speed.free else speed.nodes
-    if speed.name == "energy":
-        energies = [np.where(each >= still, each, 0.0) for each in speeds / disk.energy_unit]
-    else:
-        energies = [still + 0.5 * disk.body.M * source.phidot(each) ** 2 for each in speeds]
-    flat = disk.energy_at_flat(bar)
-    mean: Array = np.mean([np.sqrt(np.maximum(energy - flat, 0.0)) for energy in energies], axis=0)
-    return mean
-
-
-def _widths(edges: Array) -> Array:
-    """Widths of cells; 1 of a number."""
-    return np.diff(edges) if edges[-1] > edges[0] else np.ones(1)
-
-
-def _place_in(summed: Array, unit: Array) -> NDArray[np.intp]:
-    """The entries in which these shares of a running sum lie."""
-    found: NDArray[np.intp] = np.minimum(np.searchsorted(summed, unit * summed[-1], "right"), summed.size - 1)
-    return found
 
 
 def _blocks(draws: int) -> list[int]:

@@ -89,7 +89,7 @@ def flow_stretch(states: States, steps: int = 200, step: float = 0.05) -> Stretc
     Raises
     ------
     InputError
-        Where `steps` or `step` is out of its range.
+        If `steps` or `step` is out of its range.
 
     References
     ----------
@@ -183,7 +183,7 @@ def push_forward(
     Raises
     ------
     InputError
-        Where `energy` does not exceed that of an upright disk at rest, and where no motion reaches `time`.
+        If `energy` does not exceed that of an upright disk at rest, or if no motion reaches `time`.
 
     Examples
     --------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -28,9 +28,9 @@ from explorer.phase.states import States
 Event = tuple[str, float] | str | Callable[[Bounces], ArrayLike]
 FEWEST = 100  # hits, or worth of hits, with which an interval is to be trusted
 # Plain draws over weighted ones at each face, and the fewest of these, which also tell whether the law holds.
-_SHARE, _LEAST = 16, 1 << 12
+_SHARE, _LEAST = 8, 1 << 12
 # Where the law holds: decades of delta, and how far P may be off C delta.
-_DELTAS = tuple(10.0 ** -np.arange(1.0, 13.0))
+_DELTAS = tuple(10.0**-decade for decade in range(1, 13))
 _HOLDS = 0.05
 _SMALL = 1e-30  # the delta at which C is found: eta_hat is a number of its own, so no digit is lost
 
@@ -128,7 +128,8 @@ def probability(
         Needs I3 > 0.
     event : (str, float) or callable
         ("theta_min", delta): the tilt becomes smaller than delta (rad). Or a function of `Bounces` that returns a
-        bool for each state, or for each state and bounce: then any of its bounces counts.
+        bool for each state, or for each state and bounce: then any of its bounces counts. Of motions that fall
+        theta_min is 0, and the other columns are NaN or 0.
     count : int
         Within how many bounces. The tilt is periodic: bounces of one state have at most two theta_min, one on each
         face, so two bounces give all values of theta_min.
@@ -137,7 +138,7 @@ def probability(
     accuracy : float
         Of `bounces`, and relative of theta_min, 1e-13 to 0.1.
     samples : int
-        Plain draws. Beside the falling set a sixteenth as many are made at each face, and 4,096 at least.
+        Plain draws. Beside the falling set an eighth as many are made at each face, and 4,096 at least.
     rng : int, SeedSequence or Generator
         Where random numbers come from; the same int gives the same numbers.
     **coordinates
@@ -154,9 +155,9 @@ def probability(
     Raises
     ------
     InputError
-        Where the names say no state, or an argument cannot be used.
+        If the names do not determine a state, or if an argument cannot be used.
     RunError
-        Where hardly any draw is a state.
+        If hardly any draw is a state.
 
     Notes
     -----
@@ -279,15 +280,19 @@ def _seen(
     states: States, event: Callable[[Bounces], ArrayLike], count: int, accuracy: float
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Of which states the event is true, and of which that is not known."""
-    found = bounces(states, count, accuracy)
+    found, code = bounces(states, count, accuracy), compiled.status.Status
+    falls = found.status == code.FALLS
+    found = replace(found, theta_min=np.where(falls, 0.0, found.theta_min))
     given = returned_numbers("event", event(found))
     if given.shape not in (found.shape, found.shape[:1]) or given.dtype.kind != "b":
         raise InputError(
             f"event: returned {shown(given)} for bounces of shape {found.shape}; return a bool for each state, "
             "or for each of its bounces"
         )
-    known = (found.status == compiled.status.Status.OK).all(axis=-1)
-    return known & given.reshape(len(states), -1).any(axis=1), ~known
+    hit = given.reshape(len(states), -1).any(axis=1)
+    # Of a fall nothing but theta_min is known, and with it an event that is true.
+    known = (found.status == code.OK).all(axis=-1) | (falls.any(axis=-1) & hit)
+    return known & hit, ~known
 
 
 def _plainly(counted: _Counted, law: Law | None, note: str, asked: str) -> Probability:

@@ -48,7 +48,7 @@ def race_ridges(disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike) -> dict[s
     Raises
     ------
     InputError
-        Where the shapes do not fit together.
+        If the shapes do not fit together.
 
     Examples
     --------
@@ -159,7 +159,7 @@ def race_law(
     Raises
     ------
     InputError
-        Where the shapes do not fit together.
+        If the shapes do not fit together.
 
     Examples
     --------

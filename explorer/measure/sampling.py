@@ -42,15 +42,14 @@ class Ranges:
     def check(self, what: str) -> None:
         """Raise InputError where a range is empty or goes beyond what the coordinate may be."""
         for name, (low, high) in self.ranges.items():
+            told = f"{what} {pair_said(name, low, high)}"
             if not (math.isfinite(low) and math.isfinite(high)):
-                raise InputError(f"{what} {name} = {low}:{high} is not finite; give numbers as LOW:HIGH")
+                raise InputError(f"{told} is not finite; give numbers as LOW:HIGH")
             if low > high:
-                raise InputError(f"{what} {name} = {low:g}:{high:g} is empty; give the smaller number first")
+                raise InputError(f"{told} is empty; give the smaller number first")
             least, most, words = _ENDS.get(name, (-math.inf, math.inf, ""))
             if not (least <= low and high <= most):
-                raise InputError(
-                    f"{what} {name} = {low:g}:{high:g} must lie between {words}; where it is in degrees, say so"
-                )
+                raise InputError(f"{told} must lie between {words}; where it is in degrees, say so")
             if name != "face" and low == high and low in (least, most):
                 raise InputError(f"{what} {name} is flat; give a number between {words}")
 
@@ -112,7 +111,8 @@ class ChartBox(Ranges):
     @classmethod
     def of(cls, what: str, given: Mapping[str, Range]) -> Self:
         """From ranges by name. Raises InputError, which says `what`, where they say no state."""
-        found = cls(chart_of(what, given, (0.0, 0.0))[1])
+        chart, _ = chart_of(what, given, (0.0, 0.0))
+        found = cls({name: given[name] for name in chart.present(given)})
         found.check(what)
         return found
 
@@ -128,6 +128,11 @@ def in_radians(given: Mapping[str, Range], degrees: bool) -> dict[str, Range]:
     """Ranges whose angles, and rates of angles, may be in degrees."""
     units = {name: math.radians(1.0) if degrees and name in ANGULAR else 1.0 for name in given}
     return {name: (low * units[name], high * units[name]) for name, (low, high) in given.items()}
+
+
+def pair_said(name: str, first: float, second: float) -> str:
+    """A range or a Gaussian of a coordinate, as messages show it: degrees have become radians by then."""
+    return f"{name} = {first:g}:{second:g}" + (" (radians)" if name in ANGULAR else "")
 
 
 def read_ranges(option: str, given: Any) -> dict[str, Range]:

@@ -16,6 +16,7 @@ from explorer.motion.plan import plan
 from explorer.motion.scan import Observable, Scan, scan
 from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.constants import constants_of
+from explorer.phase.coordinates import ANGULAR
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import Falls, falls
 from explorer.phase.states import Array, States, require_states
@@ -66,9 +67,8 @@ class Slice(ChartBox):
         """Axis values (points) of both axes, and the coordinates of the grid, second axis first."""
         x, y = (np.linspace(*self.ranges[name], points) for name in self.axes)
         X, Y = np.meshgrid(x, y)
-        columns = {name: np.full(X.size, value) for name, value in self.fixed.items()}
-        columns.update({self.axes[0]: X.ravel(), self.axes[1]: Y.ravel()})
-        return x, y, columns
+        fixed = {name: np.full(X.size, value) for name, value in self.fixed.items()}
+        return x, y, {self.axes[0]: X.ravel(), self.axes[1]: Y.ravel(), **fixed}
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -86,11 +86,13 @@ class SliceMap(Scan):
     slice : Slice
         The plane: which coordinates vary, and which are fixed at what.
     x, y : (nx,) and (ny,) array
-        Values of the two axes, `slice.axes` (rad, units of the disk).
+        Values of the two axes, `slice.axes` (rad, or degrees if `degrees`; units of the disk).
     falls : Falls
         Where the falling set is, from algebra; arrays (ny, nx).
     method : str
         How theta_min was computed: "quadrature" or the name of an integrator.
+    degrees : bool
+        Whether x and y, if they are angles or rates, are in degrees; tables and `slice` are always in rad.
 
     Examples
     --------
@@ -105,6 +107,7 @@ class SliceMap(Scan):
     y: Array
     falls: Falls
     method: str
+    degrees: bool
 
     @property
     def disk(self) -> Disk:
@@ -114,10 +117,8 @@ class SliceMap(Scan):
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
         """The coordinates of the grid, then the observables."""
-        first, second = self.slice.axes
-        X, Y = np.meshgrid(self.x, self.y)
-        fixed = {name: np.full(self.shape, value) for name, value in self.slice.fixed.items()}
-        return {first: X, second: Y, **fixed, **self.values}
+        grid = self.slice.grid(self.x.size)[2]
+        return {name: column.reshape(self.shape) for name, column in grid.items()} | self.values
 
     @property
     def side(self) -> NDArray[np.int8]:
@@ -151,7 +152,7 @@ def slice_map(
     method : str
         For theta_min: 'auto' finds the tilt as a root of V = E, eq. (3.8); or the name of an integrator.
     degrees : bool
-        Whether angles and rates of the slice are in degrees; the axes of the map are in rad.
+        Whether angles and rates of the slice, and the axes of the map and of its pictures, are in degrees.
 
     Returns
     -------
@@ -161,7 +162,7 @@ def slice_map(
     Raises
     ------
     InputError
-        Where the slice cannot be read, or the observable is not known.
+        If the slice cannot be read, or the observable is not known.
 
     Examples
     --------
@@ -172,11 +173,12 @@ def slice_map(
            [1.0824,    nan, 1.0824],
            [0.3759, 1.2485, 0.3759]])
     >>> coins = ex.slice_map(ex.Disk.uniform(), "tilt=10:80,precession=-90:90,spin=30", points=5, degrees=True)
-    >>> coins.slice.axes, coins.x.round(3)
-    (('tilt', 'precession'), array([0.175, 0.48 , 0.785, 1.091, 1.396]))
+    >>> coins.slice.axes, coins.x
+    (('tilt', 'precession'), array([10. , 27.5, 45. , 62.5, 80. ]))
     """
     require_axial_inertia(disk)
-    points, where = whole("points", points, 2, _MOST_POINTS), Slice.read(slice, flag("degrees", degrees))
+    points, degrees = whole("points", points, 2, _MOST_POINTS), flag("degrees", degrees)
+    where = Slice.read(slice, degrees)
     how = plan(("theta_min",), SLICE_ACCURACY, method)
     x, y, columns = where.grid(points)
     states = replace(where.states(disk, columns), shape=(points, points))
@@ -187,7 +189,11 @@ def slice_map(
         found = scan(states, observable, jobs).values
         # One column, as `bounces` returns it, is one entry for each state.
         values = {name: each[..., 0] if each.shape[2:] == (1,) else each for name, each in found.items()}
-    return SliceMap(states, values, where, x, y, falls(states), how.method)
+    x, y = (
+        np.degrees(ends) if degrees and name in ANGULAR else ends
+        for name, ends in zip(where.axes, (x, y), strict=True)
+    )
+    return SliceMap(states, values, where, x, y, falls(states), how.method, degrees)
 
 
 @dataclass(frozen=True)
@@ -240,7 +246,7 @@ def flattest_per_cell(states: States, cells: int = 100, method: str = "auto") ->
     Raises
     ------
     InputError
-        Where cells or method cannot be used.
+        If cells or method cannot be used.
 
     Examples
     --------

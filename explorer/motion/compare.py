@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from explorer.errors import InputError, words
+from explorer.errors import InputError, one_of, words
 from explorer.motion.bounces import Bounces, bounces
 from explorer.phase.states import Array, States, require_states
 
@@ -49,9 +49,11 @@ class Comparison:
     def differences(self, name: str) -> dict[str, Array]:
         """How far the others are from the first method in one column, by method: arrays of the bounces' shape.
 
-        Angles of contact in rad, theta_min, duration and time relative; NaN where one of the two has no answer.
+        race_angle, delta_chi and delta_psi in rad, theta_min, duration and time relative; NaN where one of the two
+        has no answer. Raises InputError for any other column.
         """
         first, *others = self.bounces
+        one_of("column", name, COMPARED)
         known = getattr(self.bounces[first], name)
         return {method: apart(name, getattr(self.bounces[method], name), known) for method in others}
 

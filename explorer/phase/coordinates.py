@@ -307,9 +307,9 @@ def recognise(names: Collection[str], what: str = "states") -> Chart:
         nearest = max(CHARTS, key=lambda chart: len(set(chart.needed) & set(there)) / len(chart.needed))
         missing = [name for name in nearest.needed if name not in there]
         raise InputError(f"{what}: {', '.join(there)}: these alone say no state; add {' and '.join(missing)}")
-    shown = ", ".join(list(names)[:6]) or "no columns"
+    shown = ", ".join(list(names)[:6]) or "none"
     sets = "; ".join(", ".join(chart.needed) for chart in CHARTS[:5])
-    raise InputError(f"{what}: has {shown}, which say no state; name columns as in one of: {sets}")
+    raise InputError(f"{what}: {shown}: they say no state; give one of these sets: {sets}")
 
 
 def chart_of(what: str, given: Mapping[str, T], zero: T) -> tuple[Chart, dict[str, T]]:

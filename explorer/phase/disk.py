@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import sys
 import warnings
 from collections.abc import Callable
@@ -24,11 +25,6 @@ Number = TypeVar("Number", float, Array)
 
 PRESETS = ("uniform", "hoop", "matching")
 _SCALES = ("m", "r", "g")
-SYNTAX = (
-    f"{', '.join(PRESETS)} or annulus:INNER_OVER_OUTER, each also as uniform:m=..,r=..,g=.., with "
-    "units too (m=20g,r=5cm, and g is then 9.81 m/s^2); "
-    'FILE.toml; or "m=..,r=..,g=..,I1=..,I3=.."'
-)
 # Units in which quantities may be written, longer names first, each with its size in SI units.
 UNITS = {
     "kg m^2": (1.0, ("I1", "I3")),
@@ -40,6 +36,11 @@ UNITS = {
     "mm": (1e-3, ("r",)),
     "m": (1.0, ("r",)),
 }
+SYNTAX = (
+    f"{', '.join(PRESETS)} or annulus:INNER_OVER_OUTER, each also as uniform:m=..,r=..,g=..; FILE.toml; or "
+    f'"m=..,r=..,g=..,I1=..,I3=..". A number may have a unit ({", ".join(UNITS)}), as in '
+    '"m=20g,r=5cm,I1=150 g cm^2,I3=flat"; g is then 9.81 m/s^2 if left out'
+)
 # I3 may exceed 2 I1 by rounding of doubles.
 _ROUNDING = 1e-12
 _BEYOND_RIM = 2.0  # I3 over m r^2 of what is hardly a disk; a hoop has 1, and a wheel with an axle may have more
@@ -417,11 +418,12 @@ def _quantities(text: str) -> dict[str, str]:
 
 
 def _in_si(key: str, value: str) -> str:
-    """A quantity without its unit, which may be one of UNITS."""
+    """A quantity without its unit, which may be one of UNITS, also written as gcm2 or g*cm²."""
     for unit, (size, keys) in UNITS.items():
-        bare = value.removesuffix(unit).rstrip()
-        if key in keys and bare != value and double_of(bare) is not None:
-            return repr(float(bare) * size)
+        spelt = unit.replace(" ", "[ *·]?").replace("^2", "(?:\\^?2|²)")
+        found = re.fullmatch(rf"(.*?)\s*{spelt}", value) if key in keys else None
+        if found and (bare := double_of(found[1])) is not None:
+            return repr(bare * size)
     units = [unit for unit, (_, keys) in UNITS.items() if key in keys]
     if units and value[:1].isdigit() and double_of(value) is None:
         raise InputError(f"{said(f'disk: {key}', value)} is not a number; give one, also in {', '.join(units)}")

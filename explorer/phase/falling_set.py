@@ -32,7 +32,8 @@ class Falls(Result):
     Attributes
     ----------
     face : array of int8
-        Flat state whose line l_+- is nearer, +1 or -1; +1 where both are equally near.
+        Flat state whose line l_+- is nearer, +1 or -1. Where both are equally near it is +1, and of a state on
+        both lines the one to which it falls.
     distance : array
         Signed distance of (sigma3_bar, sigma4_bar) from that line, units of the disk. Its sign is that of
         eta, the direction in which the contact point races.
@@ -162,13 +163,14 @@ def falls_of(states: States) -> Falls:
     )
     members = compiled.falling.Membership(*out)
     norm = disk.rate_unit / np.hypot(b.I1 * b.dr0, b.I3 * b.r0)
-    near_plus = motion.nearer_plus
-    eta, rounding = motion.eta(near_plus), motion.rounding(near_plus)
     could_plus, could_minus = members.plus > 0.0, members.minus > 0.0
-    could = np.where(near_plus, could_plus, could_minus)
     with np.errstate(invalid="ignore"):
+        on_plus = abs(motion.eta_plus) <= motion.rounding_plus
+        on_minus = abs(motion.eta_minus) <= motion.rounding_minus
+        near_plus = np.where(on_plus & on_minus & (could_plus ^ could_minus), could_plus, motion.nearer_plus)
+        eta, could = motion.eta(near_plus), np.where(near_plus, could_plus, could_minus)
         estimate = abs(eta) / np.sqrt(2.0 * b.I1 * np.where(could, members.excess, np.nan))
-        on_f = abs(eta) <= rounding
+    on_f = np.where(near_plus, on_plus, on_minus)
     falling = on_f & could & (states.status == code.OK)
     return Falls(
         face=np.where(near_plus, 1, -1).astype(np.int8),

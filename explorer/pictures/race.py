@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from explorer.errors import InputError, whole
-from explorer.measure.races import BINS, binned, race_ridges
+from explorer.measure.races import BINS, binned, race_law, race_ridges
 from explorer.measure.races import SIDES as _SIDES
 from explorer.motion.bounces import Bounces, motion_constants
 from explorer.motion.passages import Passages
@@ -41,7 +41,7 @@ def race_histogram(
     returned. bins: for each decade of the distance from the limit. range: distances from the limit (rad) at
     which the axis below begins and ends; by default such that all ridges are seen.
     """
-    found = ridges_of(races)
+    found = summary_of(races)
     least, most = _reach(found) if range is None else read_range("range", range)
     if not 0.0 < least < most:
         raise InputError(f"range = {least:g}:{most:g}: both distances must be above 0, the smaller first")
@@ -75,15 +75,19 @@ def race_histogram(
     )
 
 
-def ridges_of(races: Mapping[str, Any] | Passages | Bounces) -> Mapping[str, Any]:
+def summary_of(races: Mapping[str, Any] | Passages | Bounces) -> Mapping[str, Any]:
     """What is drawn, of a summary or a result. Raises InputError for anything else."""
     if isinstance(races, Passages):
-        return race_ridges(races.disk, races.eta_hat, races.race_angle)
-    if isinstance(races, Bounces):
-        return race_ridges(races.states.disk, motion_constants(races)["eta_hat"], races.race_angle)
-    if not (isinstance(races, Mapping) and "ridges" in races):
+        disk, eta_hat, speed = races.disk, races.eta_hat, races.impact_speed
+    elif isinstance(races, Bounces):
+        known, disk = motion_constants(races), races.states.disk
+        eta_hat, speed = known["eta_hat"], known["impact_speed"]
+    elif isinstance(races, Mapping) and {"ridges", "law"} <= set(races):
+        return races
+    else:
         raise InputError("races: give the summary of a run of race-angles, or what passages or bounces returned")
-    return races
+    rows = race_law(disk, eta_hat, races.race_angle, speed)
+    return {**race_ridges(disk, eta_hat, races.race_angle), "law": rows}
 
 
 def _reach(found: Mapping[str, Any]) -> tuple[float, float]:
@@ -134,12 +138,13 @@ def _angles(ax: Axes, found: Mapping[str, Any]) -> None:
     "passage misses by |η| times a number of its own. All are divided by K = 2mgr/(I₁MA³) of their passage, in "
     "which A is the speed at impact and M is I₁ + mr².",
 )
-def race_deviation(ax: Axes, races: Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> None:
+def race_deviation(ax: Axes, races: Mapping[str, Any] | Passages | Bounces | list[dict[str, Any]]) -> None:
     """Draw how far race angles are from +-kappa pi, divided by K, with the law |eta| ln(1/|eta|).
 
-    races: the summary of a run of scene race-angles, or the rows of `explorer.race_law`.
+    races: the summary of a run of scene race-angles, what `explorer.passages` or `explorer.bounces` returned, or
+    the rows of `explorer.race_law`.
     """
-    rows = races["law"] if isinstance(races, Mapping) else races
+    rows = races if isinstance(races, list) else summary_of(races)["law"]
     ax.set(xscale="log", yscale="log")
     title = r"Ten times closer to $F$, some ten times closer to $\pm\kappa\pi$"
     dress(

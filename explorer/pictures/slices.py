@@ -81,7 +81,13 @@ def slice_of_tilts(ax: Axes, cut: SliceMap) -> None:
         handles[_STEP] = Line2D([], [], ls="", marker="s", ms=11, label=_STEP, **look)
     if handles:
         legend_below(ax, handles=[*handles.values()], handlelength=3.2)
-    label(ax, cut.disk, *cut.slice.axes, f"Where the disk falls:\n{values_label(cut.slice.fixed, cut.disk)}")
+    _label(ax, cut, "Where the disk falls:\n")
+
+
+def _label(ax: Axes, cut: SliceMap, words: str) -> None:
+    """Say what the axes are, and after these words what is held."""
+    title = words + values_label(cut.slice.fixed, cut.disk, cut.degrees)
+    label(ax, cut.disk, *cut.slice.axes, title, cut.degrees)
 
 
 def _lines_of_f(ax: Axes, cut: SliceMap, face: int) -> Iterator[Line2D]:
@@ -157,8 +163,7 @@ def slice_of_sides(ax: Axes, cut: SliceMap) -> None:
         handles.append(Line2D([], [], color=DARK, lw=0.9, ls=":", label="both faces are equally near"))
     if handles:
         legend_below(ax, handles=handles, ncols=1)
-    title = f"Strong colours meet on $F$:\n{values_label(cut.slice.fixed, cut.disk)}"
-    label(ax, cut.disk, *cut.slice.axes, title)
+    _label(ax, cut, "Strong colours meet on $F$:\n")
 
 
 def signed_tilt(cut: SliceMap) -> Array:
@@ -213,7 +218,7 @@ def observable(ax: Axes, found: SliceMap | Scan, name: str | None = None) -> Non
             drawn |= _zero_line(ax, found, np.where(could, distance, np.nan), "--", 1.0)
         if drawn:
             legend_below(ax, handles=[Line2D([], [], color=LAW, ls="--", lw=1.0, label="falling set $F$")])
-        return label(ax, found.disk, *found.slice.axes, f"{words}: {values_label(found.slice.fixed, found.disk)}")
+        return _label(ax, found, f"{words}: ")
     disk, columns = found.states.disk, {each: np.ravel(getattr(found.states, each)) for each in COORDINATES}
     free = [each for each, column in columns.items() if np.unique(column[np.isfinite(column)]).size > 1]
     if len(free) < 2:

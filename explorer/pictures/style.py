@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from explorer.phase.columns import ANGLE, COLUMNS, ENERGY
+from explorer.phase.coordinates import ANGULAR
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
@@ -87,9 +88,9 @@ def dress(ax: Axes, x: str, y: str, title: str = "", grid: bool = False) -> Axes
     return ax
 
 
-def label(ax: Axes, disk: Disk, x: str, y: str, title: str) -> None:
+def label(ax: Axes, disk: Disk, x: str, y: str, title: str, degrees: bool = False) -> None:
     """As `dress`, of axes that are coordinates of the phase space."""
-    dress(ax, coordinate_label(x, disk), coordinate_label(y, disk), title)
+    dress(ax, coordinate_label(x, disk, degrees), coordinate_label(y, disk, degrees), title)
 
 
 def colour_bar(
@@ -122,20 +123,27 @@ def _unit(symbol: str, size: float) -> str:
     return f"${symbol}$" if size == 1.0 else f"units of the disk; ${symbol}$ = {size:.4g}"
 
 
-def coordinate_label(name: str, disk: Disk) -> str:
+def coordinate_label(name: str, disk: Disk, degrees: bool = False) -> str:
     """Symbol and unit of a coordinate of the phase space."""
-    return f"{_SYMBOLS[name]} ({_unit_of(name, disk)})"
+    return f"{_SYMBOLS[name]} ({_unit_of(name, disk, degrees)})"
 
 
-def _unit_of(name: str, disk: Disk) -> str:
-    return {ANGLE: "rad", ENERGY: _unit("m g r", disk.energy_unit)}.get(COLUMNS[name].unit) or rates_of(disk)
+def _unit_of(name: str, disk: Disk, degrees: bool) -> str:
+    unit = COLUMNS[name].unit
+    if degrees and name in ANGULAR:
+        return unit.replace("rad", "degrees")
+    return {ANGLE: "rad", ENERGY: _unit("m g r", disk.energy_unit)}.get(unit) or rates_of(disk)
 
 
-def values_label(fixed: Mapping[str, float], disk: Disk) -> str:
+def values_label(fixed: Mapping[str, float], disk: Disk, degrees: bool = False) -> str:
     """Coordinates that are held, with their values and units; in words these have room on the axes only."""
     natural = disk.rate_unit == disk.energy_unit == 1.0
-    units = {name: f" {_unit_of(name, disk)}" if natural and value else "" for name, value in fixed.items()}
-    return ", ".join(f"{_SYMBOLS[name]} = {number(value)}{units[name]}" for name, value in fixed.items())
+    said = []
+    for name, value in fixed.items():
+        size = math.degrees(value) if degrees and name in ANGULAR else value
+        unit = f" {_unit_of(name, disk, degrees)}" if natural and value else ""
+        said.append(f"{_SYMBOLS[name]} = {number(size)}{unit}")
+    return ", ".join(said)
 
 
 def number(value: float, form: str = "g") -> str:

@@ -29,7 +29,7 @@ class FromDensity(SampledScene):
     box: Box | ChartBox = option(
         RANGES,
         'where states are drawn, in the units of the disk: "phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2", evenly in '
-        "these, or in tilt, precession and spin, with tilt_rate",
+        "these, or, except in measure-zero, in tilt, precession and spin, with tilt_rate",
         words="that, in natural units",
         follows=lambda self, given: self.box_of(given),
     )

@@ -10,7 +10,7 @@ import { CLOCK, stateAt, turningState } from "./physics.js";
 import { Player, mayMove } from "./player.js";
 import { Ruler } from "./ruler.js";
 import { Scene } from "./scene.js";
-import { HALF_RACE, SCENES } from "./scenes.js";
+import { HALF_RACE, SCENES, slowed } from "./scenes.js";
 import { Store } from "./state.js";
 
 const COMMON = { disk: "uniform", sigma3_bar: 0, phidot: 1, eta_hat: 0 };
@@ -18,7 +18,7 @@ const CAMERA = { azimuth: 0.32, elevation: 0.5 };
 // All of a motion, from upright to upright again: the coin lies flat at x = -1.
 const AIM = { x: -0.95, y: 0, z: 0.4, radius: 2.4 }, TABLE = { x: -0.95, y: 0, radius: 1.75 };
 const RISEN = 1.05; // rad of tilt at which a disk that has risen is shown
-const PARTS = `<canvas class="picture" role="img"></canvas><canvas class="plot" aria-hidden="true"></canvas>
+const PARTS = `<span class="slowed"></span><canvas class="picture" role="img"></canvas><canvas class="plot" aria-hidden="true"></canvas>
   <div class="handle"><button type="button" class="play"></button>
   <div class="slide"><span></span> <output></output><input type="range"></div></div><figcaption></figcaption>`;
 
@@ -30,7 +30,7 @@ class Figure {
     this.element.innerHTML = PARTS;
     const part = (name) => this.element.querySelector(name);
     [this.canvas, this.plot, this.play, this.slider] = [".picture", ".plot", ".play", "input"].map(part);
-    [this.value, this.words] = ["output", "figcaption"].map(part);
+    [this.value, this.words, this.slowed] = ["output", "figcaption", ".slowed"].map(part);
     part(".slide span").textContent = declared.slider;
     this.slider.setAttribute("aria-label", declared.slider);
     this.canvas.setAttribute("aria-label", declared.shows);
@@ -48,7 +48,7 @@ class Figure {
     this.ruler = declared.plot && new Ruler(this.plot, declared.plot);
     this.store.listen(() => this.load());
     this.load();
-    if (!this.player.running) this.player.seek(this.restingClock());
+    if (!this.player.running) this.player.seek(this.moment());
 
     this.slider.addEventListener("input", () => this.slid());
     this.play.addEventListener("click", () => { this.player.toggle(); this.stale = true; });
@@ -58,6 +58,8 @@ class Figure {
       this.slid();
     };
     onDrag(this.canvas, drag, (x) => { from = { x, value: Number(this.slider.value) }; });
+    this.element.addEventListener("pointerdown", () => { this.held = true; });
+    for (const kind of ["pointerup", "pointercancel"]) addEventListener(kind, () => { this.held = false; });
     watch(this.element, (visible) => { this.visible = visible; });
   }
 
@@ -65,7 +67,7 @@ class Figure {
   load() {
     const { store, declared } = this;
     const look = readLook(declared.plain ? 0 : store.shown.eta_hat);
-    this.look = { ...look, hand: !declared.bare, trail: declared.trail };
+    this.look = { ...look, hand: !declared.bare, trail: !declared.bare };
     colourSides(this.element, this.look);
     this.both = declared.both && store.shown.eta_hat !== 0;
     const paths = [store.main, ...(this.both ? [store.other] : [])];
@@ -74,22 +76,19 @@ class Figure {
     this.stale = true;
   }
 
-  /** The slider sets the motion, or where it sets none the clock. */
+  /** The slider sets the motion, or where it sets none the clock. What plays goes on from there. */
   slid() {
-    const { declared, player } = this, value = Number(this.slider.value);
-    if (declared.changes) this.store.set(declared.changes(value));
-    const falls = declared.rest === "start" || (declared.sides && !this.store.shown.eta_hat);
-    const again = falls && (player.running || mayMove());
-    player.seek(again ? 0 : this.restingClock());
-    player.running = again;
+    const { declared, player, store } = this;
+    if (declared.changes) store.set(declared.changes(Number(this.slider.value)));
+    player.seek(this.moment());
     this.stale = true;
   }
 
-  /** The clock at which the motion is shown while the slider moves. */
-  restingClock() {
+  /** The clock at which a motion is shown while the slider moves. */
+  moment() {
     const { declared, player, store } = this, { main } = store;
     if (declared.span) return this.spanned(Number(this.slider.value));
-    if (declared.posed) return 0;
+    if (declared.posed || (player.running && (declared.rest === "start" || !main.turns.length))) return 0;
     if (!main.turns.length) return player.end;
     const flat = turningState(main, 0)[CLOCK];
     return declared.rest === "flat" ? flat : clockAt(main, RISEN, flat, player.end);
@@ -104,7 +103,7 @@ class Figure {
   advance(seconds) {
     if (!this.visible) return;
     const { player, declared } = this;
-    player.advance(seconds);
+    if (!this.held) player.advance(seconds); // a slider that is held does not run away
     if (declared.span && player.running) {
       const from = this.spanned(0), to = this.spanned(1);
       if (player.clock < from || player.clock >= to) player.seek(from);
@@ -124,6 +123,7 @@ class Figure {
     this.ruler?.draw(this.state, look);
     this.value.textContent = declared.value(this);
     this.words.textContent = declared.says(this);
+    this.slowed.textContent = declared.posed ? "" : slowed(this.state);
     this.slider.setAttribute("aria-valuetext", `${this.value.textContent}. ${this.words.textContent}`);
     this.play.classList.toggle("playing", player.running);
     this.play.setAttribute("aria-label", player.running ? "Pause" : "Play");

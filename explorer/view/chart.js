@@ -16,11 +16,11 @@ export function format(value, digits = 4, plus = false) {
   return sign + (size === 0 ? "0" : size.toFixed(Math.max(0, digits - 1 - Math.floor(Math.log10(size)))));
 }
 
-/** A length in words, from metres. */
-export function lengthWords(metres) {
-  const units = [[1e-3, "mm"], [1e-6, "µm"], [1e-9, "nm"], [1e-12, "pm"], [1e-15, "fm"]];
-  const [unit, name] = units.find(([size]) => metres >= size) ?? units[units.length - 1];
-  return `${format(metres / unit, 2)} ${name}`;
+/** A length below a metre in words, or a time below a second with `unit` "s". */
+export function lengthWords(length, unit = "m") {
+  const parts = [[1e-3, "m"], [1e-6, "µ"], [1e-9, "n"], [1e-12, "p"], [1e-15, "f"]];
+  const [part, name] = parts.find(([size]) => length >= size) ?? parts[parts.length - 1];
+  return `${format(length / part, 2)} ${name}${unit}`;
 }
 
 export function superscript(whole) {

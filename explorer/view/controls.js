@@ -64,7 +64,7 @@ function pressed(event, store, player) {
   // Whoever reads the article scrolls it with the space bar.
   const reading = $("laboratory").getBoundingClientRect().top > 0.5 * innerHeight;
   if (reading || event.ctrlKey || event.metaKey || event.altKey) return;
-  const typing = event.target.matches("input[type=range], button");
+  const typing = event.target.matches("input[type=range], button, summary");
   const key = event.key.toLowerCase();
   const actions = {
     f: () => flip(store),

@@ -144,6 +144,7 @@ class Page {
 
 const data = JSON.parse($("start").textContent);
 $("note").textContent = data.note;
+document.body.classList.toggle("framed", self !== top);
 const page = new Page(data);
 page.run();
 window.nearflat = page;

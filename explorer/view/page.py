@@ -70,7 +70,7 @@ class View:
         Raises
         ------
         InputError
-            Where the name ends otherwise, or the file cannot be written.
+            If the name ends otherwise, or the file cannot be written.
         """
         with writing("path", path, (".html", ".htm"), "the page is HTML; ") as where:
             where.write_text(self.html, encoding="utf-8")

@@ -5,6 +5,7 @@ import { slowing, tiltOf } from "./physics.js";
 
 const $ = (id) => document.getElementById(id);
 const SHOWN_SLOWED = 1.5;
+const DEGREES = 180 / Math.PI;
 
 /** The numbers of the motion that is shown; they change only with it. */
 export function showNumbers(store) {
@@ -12,31 +13,34 @@ export function showNumbers(store) {
   $("race").textContent = n.told || format(n.race_angle, 4, true);
   $("told").textContent = n.told;
   const side = { 1: "+", [-1]: "−", 0: "±" }[Math.sign(n.limit)];
-  $("limit").textContent = `${side}κπ = ${side}${format(store.body.kappa * Math.PI, 4)}`;
+  const { kappa } = store.body;
+  $("limit").textContent = `${side}κπ = ${side}${format(kappa * Math.PI, 4)}, ${(kappa / 2).toFixed(2)} turns`;
   $("theta-min").textContent = format(n.theta_min, 3);
   $("theta-size").textContent = thickness(n.theta_min);
   $("normal").textContent = format(n.min_normal_force, 3);
-  $("lift").textContent = n.min_normal_force < 0 ? "a real disk would lift off" : "";
+  const force = n.min_normal_force;
+  $("lift").textContent = force < 0 ? "a real disk would lift off" : force === 0 ? "it only just touches" : "";
   $("friction").textContent = format(n.max_friction, 3);
   const most = n.max_friction;
-  $("friction-words").textContent = most === Infinity ? "none is enough" : most > 1 ? "more than rubber has" : "";
+  $("friction-words").textContent = most === Infinity ? "a real disk would slip" : most > 1 ? "more than rubber has" : "";
 }
 
 /** How small a tilt is: the gap under the far edge of a disk as wide as a hand. */
 function thickness(tilt) {
-  if (!(tilt < 0.5)) return "";
-  return `${lengthWords(0.1 * tilt)} under a 10 cm disk`;
+  if (Number.isNaN(tilt)) return "";
+  return `${format(DEGREES * tilt, 3)}°` + (tilt < 0.5 ? `: ${lengthWords(0.1 * tilt)} under a 10 cm disk` : "");
 }
 
 /** The words over the picture, which change from frame to frame. */
 export function showNow(state, face, races) {
   const factor = slowing(state);
   $("slowing").textContent = factor >= SHOWN_SLOWED ? `${format(factor, factor < 100 ? 2 : 3)}× slowed` : "";
-  $("tilt").textContent = `tilt ${format(tiltOf(state, face), 3)} rad`;
-  $("race-word").textContent = races.some(Boolean) ? "race" : "";
+  const tilt = DEGREES * tiltOf(state, face), race = races.find(Boolean);
+  $("tilt").textContent = `tilt ${format(tilt, 3)}°${tilt > 90.5 ? ", past upright" : ""}`;
+  $("race-word").textContent = race ? `turns in race ${race.turn + 1}:` : "";
   ["race-now", "other-now"].forEach((id, n) => {
-    const turned = races[n] && races[n].turned / Math.PI;
-    $(id).textContent = races[n] ? `${turned < 0 ? "−" : "+"}${Math.abs(turned).toFixed(2)} π` : "";
+    const turned = races[n] && races[n].turned / (2 * Math.PI);
+    $(id).textContent = races[n] ? `${turned < 0 ? "−" : "+"}${Math.abs(turned).toFixed(2)}` : "";
   });
 }
 

@@ -85,11 +85,8 @@ export class Ruler {
     line(context, curve, look.sideColours[0], 2.5);
     context.restore();
     line(context, [[box.left, this.y(1)], [box.right, this.y(1)]], look.soft, 1, [5, 4]);
-    // The words stand on the hill, or where that is too narrow beside it.
-    const taken = "energy it would take", wall = Number.isFinite(this.lowest) ? this.x(this.lowest) : NaN;
-    const from = wall - box.left < context.measureText(taken).width + 16 ? wall + 8 : box.left + 8;
-    if (wall) text(context, taken, from, this.y(1) - 10, look.soft);
-    text(context, "energy it has", from, this.y(1) + 10, look.soft);
+    text(context, "energy it has", box.left + 8, this.y(1) - 10, look.ink);
+    if (Number.isFinite(this.lowest)) text(context, "energy needed", box.left + 8, this.y(0.25), look.soft);
   }
 
   drawNow(context, state, look) {

@@ -7,8 +7,8 @@ import { A1, A2, CHI, CLOCK, Z, tiltOf, turningState } from "./physics.js";
 
 // A trail needs a point where the contact has moved or turned by this much.
 const TRAIL_STEP = 0.02;
-const TAIL = 0.9; // units of the clock that the bright end of a trail is long
-const TAIL_PIECES = 6;
+const TAIL = 3.5; // radii that the bright end of a trail is long
+const TAIL_PIECES = 8;
 const TAIL_TILT = 0.5; // rad of tilt at which the tail of the race has faded, where the camera follows the disk
 // Seconds in which most of the way to a new aim is done: soft where the camera follows, quick where a slider is dragged.
 const FOLLOW = 0.36;
@@ -17,15 +17,16 @@ const LONGEST_FRAME = 0.25; // s: after a pause the camera goes on, rather than 
 // What the camera keeps in sight: both disks and this much around them.
 const ROOM = 1.85;
 
-/** The path of the contact point as places on the table with the times of the clock. */
+/** The path of the contact point: places on the table, each with the time of the clock and the way so far. */
 export function trailOf(path) {
   const trail = [];
   let last = null;
   for (const x of path.states) {
     const at = [x[A1] + x[Z] * Math.cos(x[CHI]), x[A2] + x[Z] * Math.sin(x[CHI]), 0, x[CLOCK]];
-    if (last && Math.hypot(at[0] - last[0], at[1] - last[1]) < TRAIL_STEP) continue;
-    trail.push(at);
-    last = at;
+    const step = last ? Math.hypot(at[0] - last[0], at[1] - last[1]) : 0;
+    if (last && step < TRAIL_STEP) continue;
+    trail.push([...at, last ? last[4] + step : 0]);
+    last = trail[trail.length - 1];
   }
   return trail;
 }
@@ -54,7 +55,7 @@ export function racesOf(path, numbers) {
   const rest = (tilt) => (whole.chi * (left(tilt) - least)) / (whole.chi - least) || 0;
   return path.turns.map((_, turn) => {
     const x = turningState(path, turn);
-    return { clock: x[CLOCK], chi: x[CHI], centre: [x[A1], x[A2], 0], angle: numbers.race_angle, rest };
+    return { turn, clock: x[CLOCK], chi: x[CHI], centre: [x[A1], x[A2], 0], angle: numbers.race_angle, rest };
   });
 }
 
@@ -131,8 +132,8 @@ export class Scene {
     const races = states.map((x, n) => x && raceAt(this.races[n], x, this.faces[n]));
     [1, 0].forEach((n) => {
       const race = races[n];
-      if (!race) return;
-      const strength = this.aim ? 1 : 1 - tiltOf(states[n], this.faces[n]) / TAIL_TILT;
+      if (!race || this.aim) return;
+      const strength = 1 - tiltOf(states[n], this.faces[n]) / TAIL_TILT;
       drawTail(context, camera, states[n][CHI], race, n, look.sides[n], look.ground, strength);
     });
     const depths = poses.map((pose) => (pose ? camera.project(pose.centre)[2] : Infinity));
@@ -140,8 +141,15 @@ export class Scene {
     for (const n of order) {
       if (!poses[n]) continue;
       if (n) drawGhost(context, camera, poses[n], look.sides[n]);
-      else drawDisk(context, camera, poses[n], { ...look, side: look.sides[0] }, lamp);
+      else drawDisk(context, camera, poses[n], { ...look, side: this.aim ? look.faceUp : look.sides[0] }, lamp);
     }
+    // A disk that lies low would hide where its contact has been: there the trail is seen through it.
+    if (this.aim && look.trail) [1, 0].forEach((n) => {
+      if (!poses[n]) return;
+      context.globalAlpha = Math.max(0, 1 - tiltOf(states[n], this.faces[n]));
+      this.drawTrail(this.trails[n], states[n][CLOCK], look.sides[n], n);
+      context.globalAlpha = 1;
+    });
     if (look.hand) [1, 0].forEach((n) => poses[n] && drawHand(context, camera, poses[n], look.sides[n], n ? 4.5 : 6));
     return races;
   }
@@ -203,27 +211,25 @@ export class Scene {
     });
   }
 
-  /** The past of a contact point: a thin line, and a bright end that fades. */
+  /** The way that a contact point has come: a thin line, and a bright end that fades. */
   drawTrail(trail, now, colour, ghost) {
     const width = ghost ? 7 : 2.6;
-    const past = trail.filter((at) => at[3] <= now).map((at) => [...this.camera.project(at), at[3]]);
+    const past = trail.filter((at) => at[3] <= now).map((at) => [...this.camera.project(at), at[4]]);
     if (past.length < 2) return;
-    const { context } = this;
+    const { context } = this, way = past[past.length - 1][3];
     context.lineJoin = context.lineCap = "round";
-    context.strokeStyle = `rgba(${colour.join(",")}, ${ghost ? 0.3 : 0.8})`;
-    context.lineWidth = width;
-    context.beginPath();
-    trace(context, past);
-    context.stroke();
-    for (let piece = 0; piece < TAIL_PIECES; piece++) {
-      const since = now - TAIL * (1 - piece / TAIL_PIECES);
-      const part = past.filter((at) => at[3] >= since);
-      if (part.length < 2) continue;
-      context.strokeStyle = `rgba(${colour.join(",")}, ${ghost ? 0.09 : 0.3})`;
-      context.lineWidth = width * (1.1 + (0.9 * piece) / TAIL_PIECES);
+    const draw = (points, alpha, thickness) => {
+      context.strokeStyle = `rgba(${colour.join(",")}, ${alpha})`;
+      context.lineWidth = thickness;
       context.beginPath();
-      trace(context, part);
+      trace(context, points);
       context.stroke();
+    };
+    draw(past, ghost ? 0.3 : 0.5, width);
+    for (let piece = 0; piece < TAIL_PIECES; piece++) {
+      const from = way - TAIL * (1 - piece / TAIL_PIECES);
+      const part = past.filter((at) => at[3] >= from);
+      if (part.length > 1) draw(part, ghost ? 0.09 : 0.3, width * (1.1 + (0.9 * piece) / TAIL_PIECES));
     }
   }
 }

@@ -22,7 +22,7 @@ export function bodyOf(name, bodies) {
   if (given) return { ...makeBody(given.I1, given.I3, given.series), name, label: given.label, inner: given.inner };
   const inner = Number(name.replace("annulus:", ""));
   if (!name.startsWith("annulus:") || !(inner >= 0 && inner <= 1)) return bodyOf(bodies[0].name, bodies);
-  return { ...annulus(inner), name, label: `annulus ${inner.toFixed(2)}`, inner };
+  return { ...annulus(inner), name, label: `ring, hole ${inner.toFixed(2)}`, inner };
 }
 
 /** The part of an address after #, read; what cannot be used is left out. */

@@ -332,16 +332,16 @@ def main():
     lines = [
         "# Faults",
         "",
-        "Made by `python tests/faults/report_faults.py`. The run: race-angles, "
-        f"{OPTIONS['samples']:,} samples in {CHUNKS} chunks, all kept, 2 workers. Every digest is compared with",
-        "that of an undisturbed run.",
+        "Made by `python tests/faults/report_faults.py`. The run is race-angles, with "
+        f"{OPTIONS['samples']:,} samples in {CHUNKS} chunks, all kept,",
+        "and 2 workers. Every digest is compared with that of an undisturbed run.",
         "",
         "| fault | what happened |",
         "|---|---|",
         *(f"| {fault} | {found} |" for fault, found in rows),
         "",
-        "[moments.md](moments.md): runs stopped by signals, by backend. `fuzz.json`: random calls, command lines,",
-        "and edited folders (`nox -s fuzz`).",
+        "[moments.md](moments.md) has runs that were stopped by signals, for each backend. `fuzz.json` has the",
+        "results of random calls, command lines and edited folders (`nox -s fuzz`).",
     ]
     (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 

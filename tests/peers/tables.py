@@ -9,7 +9,7 @@ from peers.measuring import ASKED, COUNT, METHODS, PEER, PUBLIC, seconds
 INTEGRATED = tuple(f"passages, {method}" for method in METHODS)
 KERNELS = tuple(f"{method}, to t = 1.6" for method in METHODS)
 QUADRATURE = "passages, quadrature"
-FRONT = "| speed on one core, as a user calls it, error below 10⁻⁶ (heyoka in batches = 1)"
+FRONT = "| speed on one core, of public calls at an error below 10⁻⁶ (heyoka in batches = 1)"
 ORIGIN = "The speeds were measured in one run on "
 REST = 1e-9  # the least error at which most peers have a row at all
 
@@ -104,8 +104,9 @@ def quoted(rows):
     exact, integrated = asked_at(rows, QUADRATURE, 1e-6), best_asked(rows, INTEGRATED, 1e-6)
     plain, regular = (times(exact, peer) for peer in peers)
     stepped = " and ".join(times(integrated, peer) for peer in peers)
-    said = f"{plain} with heyoka on the plain equations, {regular} with heyoka on our regularised ones"
-    return f"{FRONT} | by quadrature {said}; by our Runge–Kutta {stepped} | 1 |"
+    said = f"quadrature is {plain} times as fast as heyoka with the plain equations"
+    said += f", and {regular} times as fast as heyoka with our regularised ones"
+    return f"{FRONT} | {said}; our Runge–Kutta is {stepped} times as fast | 1 |"
 
 
 def with_quoted(text, rows, where):
@@ -134,8 +135,8 @@ def shares_of_steps(limits, steppers):
     together = 2.0 * limits.multiply_adds
     yield (
         f"Additions and multiplications of this core: {together:.1e}/s where a product and a sum are rounded"
-        f" together, {limits.strict:.1e}/s where they are not ({limits.strict / together:.0%}): the ceiling of"
-        " strict arithmetic."
+        f" together, {limits.strict:.1e}/s where they are not ({limits.strict / together:.0%}). The second number"
+        " is the ceiling of strict arithmetic."
     )
     yield ""
     heads = ("fixed steps, short ones", "million steps/s", "additions and multiplications", "share of the ceiling")
@@ -155,5 +156,6 @@ def loop_in_words():
     return (
         "C++: `tests/peers/fixed_steps.cpp`, the same tableaux and field in lanes, compiled with"
         f" `{' '.join(cpp.options(False)[1:])}` (strict; its steps are ours to the last bit) or"
-        " `-ffp-contract=fast`. It finds no event and keeps no constant: it is told at which s each motion ends."
+        " `-ffp-contract=fast`. It locates no events and keeps no constants of motion: it gets the s at which"
+        " each motion ends."
     )

@@ -85,8 +85,9 @@ def main():
         "# The extremes",
         "",
         "Made by `python tests/reference/report_extremes.py`; references by `tests/reference/make_motions.py`.",
-        "Quadrature compared with 40-digit arithmetic, m = r = g = 1: the largest errors of each kind of passage,",
-        "at the tightest accuracy that it meets. *Not at 1e-11*: how many meet only 1e-8, 1e-5 or 1e-2.",
+        "Quadrature is compared with 40-digit arithmetic, with m = r = g = 1. A row has the largest errors of a",
+        "kind of passage. Each passage is computed at the tightest accuracy that it meets. *Not at 1e-11*: how",
+        "many passages meet only 1e-8, 1e-5 or 1e-2.",
         "",
         "| passages | number | not at 1e-11 | error of angles (rad) | of times, relative | estimate |",
         "|---|---|---|---|---|---|",
@@ -94,7 +95,8 @@ def main():
     ]
     lines += [
         "",
-        "Rocking near flat, eta_hat = 1e-60: the period divided by its limit 2^(3/2) sqrt(M) sqrt(E - V0).",
+        "A disk that rocks near flat, at eta_hat = 1e-60. *Ratio*: the period divided by its limit,",
+        "2^(3/2) sqrt(M) sqrt(E - V0).",
         "",
         "| E - V0 | status | ratio - 1 | estimate |",
         "|---|---|---|---|",
@@ -102,7 +104,8 @@ def main():
     lines += [f"| {e:g} | {s} | {r - 1:+.1e} | {est:.0e} |" for e, s, r, est in rocking()]
     lines += [
         "",
-        "Cost of a passage relative to that at |eta_hat| = 0.1, in one run (picture: `../scaling/cost.png`):",
+        "Time of a passage at each |eta_hat|, relative to the time at 0.1, in one run (picture:",
+        "`../scaling/cost.png`):",
         "",
     ]
     for method, eta, ratio in costs():

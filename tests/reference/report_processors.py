@@ -170,9 +170,9 @@ def main():
         "# Kinds of processor",
         "",
         "Made by `python tests/reference/report_processors.py` on "
-        f"{platform.machine()}, {' '.join(platform.libc_ver())}, numpy {np.__version__}. {said}.",
-        "Every row is compared with the first. Other kinds are imitated: kernels are compiled for them, and numpy",
-        "and the C library are told not to use what they lack. "
+        f"{platform.machine()}, {' '.join(platform.libc_ver())}, numpy {np.__version__}. {said}. Every row is",
+        "compared with the first. Other kinds of processor are imitated: kernels are compiled for them,",
+        "and numpy and the C library do not use instructions that they lack. "
         + (
             "In the last rows QEMU emulates the processor."
             if emulated

@@ -184,9 +184,9 @@ def sizes():
         "# Time and memory against the number of samples",
         "",
         "Made by `python tests/reference/report_scaling.py`, on an " + processor() + ".",
-        "*states*: the scene falling-set, which draws states and finds their side, their distance to F and",
-        "whether they could fall; no rows are stored. *passages*: the scene race-angles, all rows stored on disk.",
-        "Both are summarised, without pictures. Memory is the peak of the process.",
+        "*States*: the scene falling-set. It draws states, and finds their side of F, their distance from F and",
+        "whether they could fall. No rows are stored. *Passages*: the scene race-angles, with all rows stored on",
+        "disk. Both times include the summary, but no pictures. Memory is the peak of the process.",
         "",
         "| work | samples | jobs | samples per second | memory (MB) | faster than one job |",
         "|---|---|---|---|---|---|",
@@ -207,7 +207,7 @@ def cost():
     save(draw_cost(rows), OUT / "cost.png")
     return [
         COST,
-        "accuracy 1e-2, one job (- where the side of more than 1 % is unknown).",
+        "at an accuracy of 1e-2, by one job. A dash means that the side of more than 1 % is unknown.",
         "",
         "![time of a passage against the distance from F](cost.png)",
         "",

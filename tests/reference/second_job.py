@@ -159,11 +159,11 @@ def alone(gain):
 def lines(samples, found):
     """The part of the page about the second job."""
     best = {way: fastest(costs) for way, costs in found.items()}
-    yield f"race-angles, {samples:,} samples, all rows stored and summarised, without pictures: one processor"
-    yield "draws these at the end, in a second or two for any number of samples. The fastest of"
-    yield f"{len(found[ONE])} rounds. *Work* is processor time of all processes of the run, *idle* the rest of the"
-    yield "time of two processors, *pauses* how often a thread waited for a lock or for data."
-    yield "The last four columns describe the whole machine: seconds in which some process waited for a"
+    yield f"The scene race-angles with {samples:,} samples, all rows stored and summarised. Pictures are left"
+    yield "out: one processor draws them at the end, in a second or two for any number of samples. A row is the"
+    yield f"fastest of {len(found[ONE])} rounds. *Work* is the processor time of all processes of the run. *Idle*"
+    yield "is the rest of the time of two processors. *Pauses* is how often a thread waited for a lock or for"
+    yield "data. The last four columns describe the whole machine: seconds in which some process waited for a"
     yield "processor, for the disk or for memory, and seconds taken by other machines on the same hardware."
     yield ""
     yield f"| how | {' | '.join(COLUMNS)} |"
@@ -178,11 +178,11 @@ def lines(samples, found):
     one = best[ONE]
     for way in BACKENDS:
         gain, more = one.wall / best[way].wall, best[way].work - one.work
-        yield f"With {way} a run is {gain:.2f} times as fast, at {more:+.2f} s of work; by Amdahl's law that is"
-        yield f"the gain of a run of which {100.0 * alone(gain):.0f} % is done while one processor stands idle."
+        yield f"With {way} a run is {gain:.2f} times as fast, at {more:+.2f} s of work. By Amdahl's law, one"
+        yield f"processor is then idle during {100.0 * alone(gain):.0f} % of the work."
     most = one.wall / best[BESIDE].wall
-    yield f"Two runs that share nothing but the machine are {most:.2f} times as fast as one after the other,"
-    yield "which is the most that the machine can give."
+    yield f"Two runs that share nothing but the machine are {most:.2f} times as fast as one after the other."
+    yield "No run can gain more on this machine."
 
 
 if __name__ == "__main__":

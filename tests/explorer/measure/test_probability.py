@@ -214,6 +214,14 @@ def test_where_nothing_moves_eta_the_share_is_counted_and_it_says_so():
     assert "eta_hat is fixed" in fixed.note
 
 
+@pytest.mark.parametrize("phi", [(0.1, 1.4), (-1.4, -0.1)])
+@pytest.mark.parametrize("event", [("theta_min", 1e-3), lambda bounces: bounces.theta_min < 1e-3])
+def test_where_all_states_fall_the_probability_is_one_on_either_face(phi, event):
+    found = ex.probability(UNIFORM, event, phi=phi, phidot=(-1, 1), sigma3=0, sigma4=0, samples=2000)
+    assert found.estimate == 1
+    assert found.interval[0] > 0.998
+
+
 def test_draws_that_are_no_states_are_left_out():
     given = {**NEARLY_FLAT, "samples": 100_000}
     # A tenth of the first distribution lies below 0.
@@ -241,6 +249,7 @@ def test_the_same_rng_gives_the_same_numbers():
         ({"tilt": "norm:1:2:3:4"}, "norm"),
         ({"tilt": "norm:1:-2"}, "not the parameters"),
         ({"tilt": [1, 2, 3]}, "give a frozen distribution"),
+        ({"tilt": stats.norm}, "give a frozen distribution"),
         ({"tilt": (2, 1)}, "give a frozen distribution"),
         ({"event": ("theta_max", 1)}, 'give ..theta_min", delta'),
         ({"event": ("theta_min", 2)}, "from 1e-100 to 1"),

@@ -96,7 +96,11 @@ def test_a_map_over_tilt_and_precession_in_degrees_is_a_scan_of_these_states():
     states = ex.rates_to_states(UNIFORM, tilt, -5.0, precession, 40.0, degrees=True)
     wanted = ex.scan(states, ["theta_min", "period"])
     assert found.slice.axes == ("tilt", "precession")
-    np.testing.assert_allclose(np.degrees(found.x), np.linspace(10, 80, 4))
+    np.testing.assert_allclose(found.x, tilt[0])
+    np.testing.assert_allclose(found.to_pandas()["tilt"], np.radians(tilt.ravel()))
+    axes = ex.picture("observable", found).axes[0]
+    assert axes.get_xlabel() == "tilt (degrees)"
+    assert "spin = 40 degrees/time" in axes.get_title()
     for name in found:
         np.testing.assert_allclose(found[name], wanted[name], rtol=1e-9)
     assert {"tilt", "tilt_rate", "precession", "spin"} <= set(found.to_pandas())

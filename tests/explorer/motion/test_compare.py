@@ -77,6 +77,8 @@ def test_a_comparison_is_of_what_each_method_answers():
     assert "100 bounces" in first
     assert [line.split(":")[0].strip() for line in lines] == ["rk8", "quadrature"]
     assert " rad" in lines[1]
+    with pytest.raises(ex.InputError, match="did you mean 'theta_min'"):
+        found.differences("tilt_min")
 
 
 @pytest.mark.parametrize("methods", [(), ("rk8",), ("rk8", "rk8"), "rk8", ("rk8", "euler")])

@@ -52,8 +52,8 @@ def test_an_energy_is_never_in_degrees():
     [
         (["phi", "phidot", "sigma3"], "say no state; add sigma4"),
         (["Tilt", "precession", "spin"], "add tilt"),
-        (["a", "b"], "states: has a, b, which say no state"),
-        ([], "has no columns"),
+        (["a", "b"], "states: a, b: they say no state"),
+        ([], "none: they say no state"),
     ],
 )
 def test_columns_that_say_no_state_are_refused_with_what_is_missing(names, message):

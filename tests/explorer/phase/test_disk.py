@@ -180,8 +180,11 @@ def test_a_number_may_be_text_and_other_text_is_refused():
 
 def test_quantities_may_carry_units():
     assert ex.Disk.parse("uniform:m=20g,r=5cm,g=9.81 m/s^2") == ex.Disk.uniform(m=0.02, r=0.05, g=9.81)
-    given = ex.Disk.parse("m=0.02kg,r=50mm,I1=150 g cm^2,I3=2.25e-5kg m^2")
-    assert (given.m, given.r, given.I1, given.I3) == pytest.approx((0.02, 0.05, 1.5e-5, 2.25e-5), rel=1e-14)
+    for moment in ("150 g cm^2", "150gcm^2", "150 g cm2", "150g*cm²", "1.5e-5 kg m^2"):
+        given = ex.Disk.parse(f"m=0.02kg,r=50mm,I1={moment},I3=2.25e-5kgm2")
+        assert (given.m, given.r, given.I1, given.I3) == pytest.approx((0.02, 0.05, 1.5e-5, 2.25e-5), rel=1e-14)
+    with pytest.raises(ex.InputError, match=r"also in kg m\^2, g cm\^2"):
+        ex.Disk.parse("m=20g,r=5cm,I1=150 g cm")
 
 
 def test_ratios_are_moments_in_units_of_a_hoop():

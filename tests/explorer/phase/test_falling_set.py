@@ -142,7 +142,8 @@ def test_nothing_falls_off_the_lines(body):
 
 def test_a_start_from_rest_falls_where_the_potential_falls_and_an_equilibrium_stays():
     disk = BODIES["uniform"]
-    assert ex.falls(ex.phi_to_states(disk, 0.1, 0.0, 0.0, 0.0)).status[0] == ex.Status.FALLS
+    both = ex.falls(ex.phi_to_states(disk, [0.1, -0.1], 0.0, 0.0, 0.0))
+    assert (both.face.tolist(), both.status.tolist()) == ([1, -1], [ex.Status.FALLS] * 2)
     assert ex.falls(ex.phi_to_states(disk, 0.0, 0.0, 0.0, 0.0)).status[0] == ex.Status.OK
     assert ex.simulate(ex.phi_to_states(disk, 0.1, 0.0, 0.0, 0.0), 3.0).status[0] == ex.Status.FALLS
     still = ex.simulate(ex.phi_to_states(disk, 0.0, 0.0, 0.0, 0.0), 3.0, observables=("phi",))

@@ -134,7 +134,7 @@ def test_half_and_nine_tenths_of_the_passages_are_within_the_lines_of_the_deviat
         assert (abs(np.log(line.get_ydata() / law.get_ydata())) < np.log(5.0)).all()
 
 
-def test_races_of_passages_bounces_and_a_summary_have_a_ridge_for_each_decade_and_side():
+def test_races_of_passages_bounces_and_a_summary_have_a_ridge_for_each_decade_and_side_and_a_law():
     eta_hat = [1e-3, -2e-3, 1e-5]
     passages = ex.passages(UNIFORM, 1.0, eta_hat, 1.0)
     bounces = ex.bounces(ex.constants_to_states(UNIFORM, 1.0, eta_hat, 1.0))
@@ -144,6 +144,10 @@ def test_races_of_passages_bounces_and_a_summary_have_a_ridge_for_each_decade_an
         assert spikes == pytest.approx([UNIFORM.race_limit] * 2, rel=0.05)
         assert [label.get_text() for label in ax.get_yticklabels()] == ["$10^{-5}$", "$10^{-3}$"]
         assert len([patch for patch in ax.patches if patch.get_data().baseline is not None]) == 4
+        law = ex.picture("race-deviation", found).axes[0].lines[-1].get_xdata()
+        np.testing.assert_allclose(law, np.sort(np.abs(eta_hat)), rtol=0.2)
+    with pytest.raises(ex.InputError, match="give the summary of a run of race-angles"):
+        ex.picture("race-deviation", UNIFORM)
 
 
 def test_the_colours_of_a_slice_tell_side_and_tilt():

@@ -90,8 +90,16 @@ def test_killed_at_random_moments_a_run_ends_with_the_same_digest(digest, tmp_pa
     assert not (tmp_path / "run" / "bad").exists()
 
 
-@pytest.mark.parametrize("backend", ["threads", "processes", "dask"])
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize(
+    ("number", "backend"),
+    [
+        (signal.SIGINT, "threads"),
+        (signal.SIGTERM, "threads"),
+        (signal.SIGHUP, "threads"),
+        (signal.SIGINT, "processes"),
+        (signal.SIGINT, "dask"),
+    ],
+)
 def test_the_first_signal_keeps_running_chunks_and_tells_how_to_go_on(number, backend, digest, tmp_path):
     if signal.getsignal(number) is signal.SIG_IGN:
         pytest.skip("whoever started the tests has it ignored, and so does the run")

@@ -138,7 +138,7 @@ def spoilt(path, content):
         (b"", "Empty CSV file"),
         (b"PAR1 and no more", "cannot be read"),
         (b"\x89PNG\r\n\x1a\n\0\0", "cannot be read .*; give Parquet or CSV"),
-        (b"a,b\n1,2\n", "which say no state; name columns as in one of: phi"),
+        (b"a,b\n1,2\n", "they say no state; give one of these sets: phi"),
         (b"phi,Phidot,sigma3,sigma4\n1,2,3,4\n", "add phidot"),
         (b"phi,phi,phidot,sigma3,sigma4\n1,1,1,1,1\n", "several columns 'phi'"),
         (b"phi,phidot,sigma3,sigma4\n", "holds no states"),
@@ -155,7 +155,7 @@ def test_a_damaged_file_is_told_in_one_sentence(content, message, tmp_path):
     ("given", "message"),
     [
         (5, "is no table"),
-        ({}, "has no columns"),
+        ({}, "none: they say no state"),
         ({"phi": [0.1, 0.2], "phidot": [1.0], "sigma3": 1.0, "sigma4": 1.0}, "expected length 2 but got length 1"),
         ({"phi": [], "phidot": [], "sigma3": [], "sigma4": []}, "holds no states"),
         ({name: ["a"] for name in NAMES}, "holds no numbers"),

@@ -69,7 +69,7 @@ def test_a_box_in_tilt_precession_and_spin_is_what_a_table_of_such_states_is(kin
 
 @BOTH
 def test_a_record_of_a_box_in_degrees_draws_the_same_states_again(kind):
-    def steep(tilt, tilt_rate, precession, spin):
+    def steep(tilt, precession, spin):
         return np.where(tilt > np.radians(20), 1.0, 0.0)
 
     scene = kind.of(dict(samples=500, keep="all", gaussian="tilt=40:5,precession=0:10", energy=":1", **CLOUD))
@@ -77,7 +77,8 @@ def test_a_record_of_a_box_in_degrees_draws_the_same_states_again(kind):
     np.testing.assert_array_equal(table["tilt"], again["tilt"])
     assert abs(np.degrees(table["tilt"]).mean() - 40) < 2
     assert table["energy"].max() <= 1
-    assert np.degrees(rows_of(kind.of(dict(samples=500, keep="all", density=steep, **CLOUD)))["tilt"]).min() > 20
+    at_rest = {"box": "tilt=10:60,precession=-90:90,spin=30", "degrees": True, "density": steep}
+    assert np.degrees(rows_of(kind.of({"samples": 500, "keep": "all", **at_rest}))["tilt"]).min() > 20
 
 
 def test_ranges_of_a_box_are_those_that_probability_takes():
@@ -123,7 +124,10 @@ def test_a_record_says_that_its_states_were_given_in_python():
         ({"states": GIVEN, "samples": 8}, "holds 7"),
         ({"states": ex.phi_to_states(ex.Disk.uniform(), 0.1, 0.1, 0.1, 0.1), "degrees": True}, "says how a table"),
         ({"gaussian": "phi=0:1", "box": "phi=0"}, "the box fixes it"),
-        ({"gaussian": "tilt=1:1"}, "box has phi, phidot, sigma3, sigma4; give one of them"),
+        (
+            {"gaussian": "tilt=180:45", "degrees": True},
+            r"tilt = 3.14159:0.785398 \(radians\): box has phi, phidot, sigma3, sigma4; .* a box that has tilt",
+        ),
         ({"box": "tilt=20:40,precession=1,spin=1"}, "where it is in degrees, say so"),
         ({"box": "tilt=0.1:0.2,sigma4=1"}, "add precession and spin"),
         ({"energy": ":1e-3"}, "widen it or shrink the box"),
