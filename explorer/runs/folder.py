@@ -20,10 +20,11 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from explorer import compiled
-from explorer.errors import InputError, RunError, shown
+from explorer.errors import InputError, RunError, shown, whole, words
 from explorer.phase.paths import made_folder, path_of
 from explorer.runs import store
 from explorer.runs.machine import arithmetic, machine
+from explorer.runs.settings import read_formats
 from explorer.scenes.options import plain
 from explorer.scenes.scene import Scene, file_of, scene_class, scene_of
 from explorer.version import installed_version
@@ -83,11 +84,17 @@ def read_record(folder: Path) -> dict[str, Any]:
     anew = "start the run anew in another folder"
     try:
         record = store.read_json(path)
-        if record.get("format") != FORMAT:
-            other = f"another version of nearflat wrote it (format {shown(record.get('format'))}, not {FORMAT})"
-            raise InputError(f"{path}: {other}; use that version, or {anew}")
+    except RunError as error:
+        raise InputError(f"{path}: is damaged ({error}); {anew}") from None
+    if record.get("format") != FORMAT:
+        other = f"another version of nearflat wrote it (format {shown(record.get('format'))}, not {FORMAT})"
+        raise InputError(f"{path}: {other}; use that version, or {anew}")
+    try:
         digest_of_identity(record)  # which looks at what others need
-    except (RunError, KeyError, TypeError, AttributeError) as error:
+        whole("chunks", record["chunks"])
+        words("arithmetic", record["arithmetic"])
+        read_formats("formats", words("formats", record["formats"]))
+    except (InputError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: is damaged ({error}); {anew}") from None
     return record
 
