@@ -70,7 +70,7 @@ def race_histogram(
     dress(
         below,
         r"distance of the race angle from $\pm\kappa\pi$ (rad)",
-        r"decade of $|\hat\eta|$, from ($\sqrt{g/r}$)",
+        r"decade of $|\hat\eta|$, from (units of the disk)",
         title,
     )
 
@@ -149,7 +149,7 @@ def race_deviation(ax: Axes, races: Mapping[str, Any] | Passages | Bounces | lis
     title = r"Ten times closer to $F$, some ten times closer to $\pm\kappa\pi$"
     dress(
         ax,
-        r"$|\hat\eta|$ ($\sqrt{g/r}$)",
+        r"$|\hat\eta|$ (units of the disk)",
         "distance of the race angle\nfrom $\\pm\\kappa\\pi$, over $K$ ($\\sqrt{g/r}$)",
         title,
         grid=True,
