@@ -206,7 +206,8 @@ class Integrator:
                 panels_between([inner, *(sign * mean for mean in density.means("phidot")), outer], nodes)
                 for sign, inner, outer in halves
             ]
-            speed = np.concatenate([panels[0][0], -panels[1][0]], axis=-1)
+            # A half that the box does not meet has no weight, but its nodes may lie outside.
+            speed = np.clip(np.concatenate([panels[0][0], -panels[1][0]], axis=-1), *density.box.ranges["phidot"])
             steps = np.concatenate([panels[0][1], panels[1][1]], axis=-1)
         f = self._shape(others[0][..., None], speed, others[1][..., None], others[2][..., None])
         if gain is not None:

@@ -222,3 +222,11 @@ def test_a_box_that_is_shrunk_to_a_narrow_density_gives_what_that_alone_can_draw
     )
     known = falling_constant(disk, gaussian="phidot=0.377:0.01")
     assert found.value == pytest.approx(known.value, rel=1e-5)
+
+
+def test_a_density_is_asked_in_its_box_alone():
+    """Here it would be negative outside, where face -1 sees the other half of the speeds."""
+    disk, box = ex.Disk.uniform(), {"phi": 0.3, "sigma3": (-1, 1), "sigma4": (-1, 1)}
+    whole = falling_constant(disk, {**box, "phidot": (-2, 2)}, density=lambda _, phidot, *__: abs(phidot))
+    half = falling_constant(disk, {**box, "phidot": (0, 2)}, density=lambda _, phidot, *__: phidot)
+    assert half.value == pytest.approx(whole.value, rel=1e-9)
