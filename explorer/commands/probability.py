@@ -43,7 +43,9 @@ class Question(Coordinates):
         default="theta_min:1e-3",
         words="theta_min:1e-3",
     )
-    count: int = option(whole_from(1), "number of bounces to look at; two give all values of theta_min", default=1)
+    count: int = option(
+        whole_from(1), "number of approaches to flat to follow; two show all smallest tilts", default=1
+    )
     samples: int = option(
         whole_from(10),
         "plain draws; an eighth as many, and 4,096 at least, beside the falling set at each face",

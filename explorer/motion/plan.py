@@ -95,10 +95,10 @@ class Plan:
 
         What is held cannot be lost, so the setting does not depend on the distance from F.
         """
-        setting = self.setting
-        if setting is None:
-            setting = calibration.current().curves[self.method].at(self.accuracy)
-        return float(self.at_least(setting))
+        calibrated = (
+            calibration.current().curves[self.method].at(self.accuracy) if self.setting is None else self.setting
+        )
+        return float(self.at_least(calibrated))
 
     def at_least(self, setting: Any) -> Any:
         """A step, or a tolerance that rounding does not refuse."""
