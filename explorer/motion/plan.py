@@ -95,7 +95,7 @@ class Plan:
 
         What is held cannot be lost, so the setting does not depend on the distance from F.
         """
-        setting = self.setting
+        setting: Any = self.setting
         if setting is None:
             setting = calibration.current().curves[self.method].at(self.accuracy)
         return float(self.at_least(setting))
