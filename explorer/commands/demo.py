@@ -7,7 +7,7 @@ from typing import Any
 
 from explorer import compiled
 from explorer.commands import Answer
-from explorer.commands.gallery import picture_lines
+from explorer.commands.gallery import write_page
 from explorer.errors import MOST_JOBS, InputError, note
 from explorer.motion.plan import method_in_words
 from explorer.runs.run import Run, execute
@@ -55,27 +55,21 @@ def demo(given: Demo, command: str, quiet: bool) -> list[Run]:
     exact = [exact_of(scene) for scene in scenes if isinstance(scene, SampledScene)]
     kernels = [name for scene in (*scenes, *exact) for name in scene.kernels]  # so that all is compiled at once
     compiled.warmup(kernels, lambda text: note(text, quiet))
-    page = [
-        "# What `nearflat demo` found",
-        "",
-        f"Made by `{command}`. The numbers are in each `summary.json` and in `{COMPARED}`.",
-    ]
-    runs, compared = list[Run](), dict[str, dict[str, Any]]()
+    runs, compared, parts = list[Run](), dict[str, dict[str, Any]](), list[tuple[str, list[str], list[Path]]]()
     how = {"jobs": given.jobs, "format": "png", "progress": False if quiet else None}
     for scene, (name, _, title) in zip(scenes, _STEPS, strict=True):
         title = title.format(how=method_in_words(scene.plan.method))
         note(f"\n{title}", quiet)
         runs.append(execute(asked(scene, {**how, "out": out / name}, exist="replace")))
-        lines = scene.headline(runs[-1].summary)
+        lines = runs[-1].headline
         if isinstance(scene, SampledScene):
             compared[name] = side_by_side(scene, _BESIDE[name], jobs=given.jobs)
             lines += in_words(compared[name])
         note("\n".join(f"  {line}" for line in lines), quiet)
-        page += ["", f"## {title}", "", *(f"- {line}" for line in lines)]
-        for picture in sorted((out / name / "figures").glob("*.png")):
-            page += ["", *picture_lines(picture, out)]
+        parts.append((title, [f"- {line}" for line in lines], sorted((out / name / "figures").glob("*.png"))))
     write_json(out / COMPARED, compared)
-    (out / PAGE).write_text("\n".join(page) + "\n", encoding="utf-8")
+    made_by = f"`{command}`. The numbers are in each `summary.json` and in `{COMPARED}`."
+    write_page(out, "What `nearflat demo` found", made_by, parts)
     return runs
 
 

@@ -7,7 +7,7 @@ import argparse
 import contextlib
 import html
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -107,6 +107,15 @@ def picture_lines(picture: Path, root: Path) -> list[str]:
     image, full = _image(picture, root, caption, 600), full_size(picture)
     shown = image if full == picture else f'<a href="{full.relative_to(root).as_posix()}">{image}</a>'
     return [shown, "", caption.text if caption else _text(picture, None)]
+
+
+def write_page(folder: Path, title: str, made_by: str, parts: Iterable[tuple[str, list[str], list[Path]]]) -> None:
+    """Write the README.md of a folder. parts: heading, lines of text, and pictures, which bring their captions."""
+    lines = [f"# {title}", "", f"Made by {made_by}"]
+    for heading, text, pictures in parts:
+        lines += ["", f"## {heading}", "", *text]
+        lines += [line for picture in pictures for line in ("", *picture_lines(picture, folder))]
+    (folder / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def _image(picture: Path, root: Path, caption: "Caption | None", width: int) -> str:

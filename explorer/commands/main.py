@@ -11,6 +11,7 @@ import json
 import os
 import re
 import shlex
+import signal
 import sys
 import warnings
 from collections.abc import Sequence
@@ -148,6 +149,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = sys.argv[1:] if arguments is None else [str(word) for word in arguments]
     if arguments is None:
         gc.set_threshold(_COLLECTED)
+        if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
+            signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends as Ctrl-C does, with a sentence
         os.environ["MPLBACKEND"] = "agg"  # no command opens a window; matplotlib fails where it knows no such name
     name = "nearflat"
     try:

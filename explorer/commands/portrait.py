@@ -49,7 +49,7 @@ def portrait(asked: Drawn, given: dict[str, Any], quiet: bool = True) -> list[Pa
     given, for the group phase, as for scene portrait: sigma3_bar, sigma4_bar or eta_hat, energy, well. Raises
     InputError where they cannot be used, and for the hero or the film alone where there is no browser.
     """
-    from explorer.commands.gallery import picture_lines
+    from explorer.commands.gallery import write_page
     from explorer.view import record
     from explorer.view.browser import find
 
@@ -68,16 +68,15 @@ def portrait(asked: Drawn, given: dict[str, Any], quiet: bool = True) -> list[Pa
         note(f"without {' and '.join(RECORDED)}, which are recorded in a browser: {error}", quiet=False)
         groups = [group for group in GROUPS if group not in RECORDED]
     command = "nearflat portrait" + (f" --only {asked.only}" if asked.only else "")
-    lines = [f"# Portraits of the {disk.name} disk", "", f"Made by `{command}`."]
+    parts = list[tuple[str, list[str], list[Path]]]()
     made_folder("out", folder)
     for group in groups:
         note(f"drawing {group}", quiet)
         recorded = group in RECORDED
         drawn = [record.record(group, folder, asked.disk)] if recorded else _group(folder, group, scene)
-        lines += ["", f"## {group.capitalize()}", "", f"`nearflat portrait --only {group}`"]
-        lines += [line for path in drawn for line in ("", *picture_lines(path, folder))]
+        parts.append((group.capitalize(), [f"`nearflat portrait --only {group}`"], drawn))
         files += drawn
-    (folder / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_page(folder, f"Portraits of the {disk.name} disk", f"`{command}`.", parts)
     return files
 
 

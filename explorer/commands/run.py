@@ -68,9 +68,7 @@ def given_by(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
 
 def shown(run: "Run") -> Answer:
     """A finished run."""
-    lines = run.scene.headline(run.summary)
-    if run.folder is not None:
-        lines += [f"All of it is in {run.folder}."]
+    lines = [*run.headline, *([f"All of it is in {run.folder}."] if run.folder else [])]
     return Answer(run.summary, "\n".join(lines))
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from explorer.commands import Answer
 from explorer.commands.run import shown
+from explorer.errors import note
 from explorer.runs.merge import merge
 from explorer.runs.run import open
 from explorer.runs.settings import Settings
@@ -60,4 +61,6 @@ def _resume(options: argparse.Namespace) -> Answer:
 def _summary(options: argparse.Namespace) -> Answer:
     runs = [open(folder) for folder in options.folder]
     run = runs[0].renewed() if len(runs) == 1 else merge(*runs)
-    return Answer(run.summary, "\n".join(run.scene.headline(run.summary)))
+    for each in run.changed():
+        note(f"the summary is by what is here now: {each}", options.quiet)
+    return Answer(run.summary, "\n".join(run.headline))

@@ -2,26 +2,24 @@
 
 import argparse
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from explorer import compiled
 from explorer.commands import Answer, trade_report
 from explorer.commands.run import add_scene, given_by
-from explorer.errors import InputError, flag, note, positive, said, whole
+from explorer.errors import InputError, flag, note, positive, said
 from explorer.motion import calibration
-from explorer.motion.reference_samples import ReferenceSamples
 from explorer.motion.work_precision import Measured, Row, curves, largest_errors, measure, only_errors
 from explorer.phase.disk import Disk
 from explorer.phase.paths import made_folder, path_of
 from explorer.runs.settings import Settings
-from explorer.scenes.options import Options, Reader, option, options_of
-from explorer.scenes.scene import SampledScene, Scene, scene_class
+from explorer.scenes.options import Options, Reader, option, whole_from
+from explorer.scenes.scene import Scene, scene_class
 
 # The time of fewer passages or tilts is mostly that of the call.
-FEWEST, FEWEST_MOTIONS, MOTIONS = 256, 64, 1024
-MOST, MOST_MOTIONS = 1_000_000, 100_000  # beyond, a percentile gains nothing and every setting takes minutes
+FEWEST, MOTIONS = 256, 1024
 # Without a scene: passages at all these distances from F, natural units.
 PLAIN, ALL_DISTANCES = "race-angles", (1e-8, 1.0)
 # Errors are calibrated on all of these too, so that they hold for bodies nobody measured.
@@ -30,20 +28,11 @@ _OF_EACH_BODY = 1024, 64  # passages, motions
 _MEASURED = ("method", "accuracy")
 
 
-def _motions(name: str, value: Any) -> int:
-    count = whole(name, value, 0, MOST_MOTIONS)
-    if 0 < count < FEWEST_MOTIONS:
-        raise InputError(f"{name} {count}: so few do not tell methods apart; give {FEWEST_MOTIONS} or more, or 0")
-    return count
-
-
 class Trading(Options):
     """What is measured beside the samples of the scene."""
 
     motions: int = option(
-        Reader(_motions, "N", "int"),
-        f"motions in time, from the first samples, that are measured too: {FEWEST_MOTIONS} or more; 0: none",
-        default=MOTIONS,
+        whole_from(0), "motions in time, from the first samples, that are measured too; 0: none", default=MOTIONS
     )
     t_end: float | None = option(
         Reader(positive, "T", "float | str"),
@@ -111,33 +100,18 @@ class Trade:
         return "\n".join(trade_report.tables(self.parts))
 
 
-def measured(scene: str | type[Scene] | None, options: Mapping[str, Any]) -> Trade:
-    """What `ex.trade` returns. Raises InputError."""
-    return _measured(*samples_of(scene, options))
-
-
-def _measured(scene: Scene, reference_samples: list[ReferenceSamples], quiet: bool) -> Trade:
-    return Trade(scene, [measure(samples, lambda text: note(text, quiet)) for samples in reference_samples])
-
-
-def samples_of(
-    scene: str | type[Scene] | None, options: Mapping[str, Any]
-) -> tuple[Scene, list[ReferenceSamples], bool]:
-    """The scene, what is to be measured of it, and whether quietly; only the true answers are computed yet."""
-    own = {each.name: options[each.name] for each in options_of(Trading) if each.name in options}
-    asked, made = Trading.of(own), scene_for(scene, {k: v for k, v in options.items() if k not in own})
-    if isinstance(made, SampledScene) and made.samples > MOST:
-        raise InputError(
-            f"samples {made.samples}: all are followed by every method at every setting; give {MOST:,} at most"
-        )
+def measured(scene: str | type[Scene] | None, options: Mapping[str, Any], out: Path | None = None) -> Trade:
+    """What `ex.trade` returns. out: a folder that is made before anything is measured. Raises InputError."""
+    asked, rest = Trading.apart(options)
+    made = scene_for(scene, rest)
     possible = made.reference_samples(asked.motions or 1, asked.t_end)
-    reference_samples = [samples for samples in possible if asked.motions or not samples.in_time]
-    if not reference_samples:
+    chosen = [samples for samples in possible if asked.motions or not samples.in_time]
+    if not chosen:
         why = "no method is chosen in this scene, so there is nothing to trade; measure another one"
         if possible:
             why = "methods can be compared only on its motions in time; leave motions = 0 out"
         raise InputError(f"{made.name}: {why}")
-    for samples in reference_samples:
+    for samples in chosen:
         known, size = int(samples.known.sum()), samples.known.size
         # Those without an answer take small steps longest.
         if known < (fewest := 1 if samples.in_time else max(FEWEST, size // 2)):
@@ -145,7 +119,9 @@ def samples_of(
                 f"{known:,} of {size:,} {samples.kind} have a known answer, and {fewest:,} are needed to tell "
                 "methods apart; give more samples, another disk, or a box whose starts are less slow"
             )
-    return made, reference_samples, asked.progress is False
+    if out is not None:
+        made_folder("out", out)
+    return Trade(made, [measure(samples, lambda text: note(text, asked.progress is False)) for samples in chosen])
 
 
 def scene_for(scene: str | type[Scene] | None, options: dict[str, Any]) -> Scene:
@@ -211,12 +187,8 @@ def call(options: argparse.Namespace) -> Answer:
     out = path_of(
         "out", given.pop("out", None) or ("results/trade" if scene is None else f"results/trade-{scene}")
     )
-    of_runs = {each.name for each in fields(Settings)} - {"progress"}  # a TOML file may have them
-    made, reference_samples, quiet = samples_of(
-        scene, {name: value for name, value in given.items() if name not in of_runs}
-    )
-    made_folder("out", out)  # before anything is measured
-    found = _measured(made, reference_samples, quiet)
+    settings, rest = Settings.apart(given)  # a TOML file may have some of a run
+    found = measured(scene, {**rest, "progress": settings.progress}, out)
     where = None if options.no_store else found.store()
     trade_report.write(found.scene, found.parts, out, options.command_line, where)
     kept = f" Calibration kept in {where}." if where else ""

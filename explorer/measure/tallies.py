@@ -38,6 +38,9 @@ class Tally:
     def __init_subclass__(cls) -> None:
         hints = get_type_hints(cls)
         cls.kinds = {name: kind for name, kind in hints.items() if get_origin(kind) is not ClassVar}
+        bare = [name for name, value in vars(cls).items() if isinstance(value, int) and name not in cls.kinds]
+        if bare:  # which would not add up
+            raise TypeError(f"{cls.__name__}.{bare[0]} has no kind; write {bare[0]}: int")
 
     def __init__(self, **fields: Any) -> None:
         for name, kind in self.kinds.items():
@@ -54,16 +57,6 @@ class Tally:
     def of_state(cls, state: dict[str, Any]) -> Self:
         """The tally that had this state."""
         return cls(**{name: _made(kind, state[name]) for name, kind in cls.kinds.items()})
-
-
-ADD_UP = "int, float, list, Histogram, LogHistogram, or ByName[...] of one of these"
-
-
-def adds_up(kind: Any) -> bool:
-    """Whether a field of a tally may be of this kind."""
-    if get_origin(kind) is ByName:
-        return adds_up(get_args(kind)[0])
-    return kind in (int, float) or (get_origin(kind) or kind) is list or hasattr(kind, "state")
 
 
 def _made(kind: Any, *state: Any) -> Any:

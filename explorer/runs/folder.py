@@ -20,11 +20,11 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from explorer import compiled
-from explorer.errors import InputError, RunError, shown
+from explorer.errors import InputError, RunError, shown, whole, words
 from explorer.phase.paths import made_folder, path_of
 from explorer.runs import store
 from explorer.runs.machine import arithmetic, machine
-from explorer.runs.settings import KNOWN_FORMATS
+from explorer.runs.settings import read_formats
 from explorer.scenes.options import plain
 from explorer.scenes.scene import Scene, file_of, scene_class, scene_of
 from explorer.version import installed_version
@@ -84,37 +84,45 @@ def read_record(folder: Path) -> dict[str, Any]:
     anew = "start the run anew in another folder"
     try:
         record = store.read_json(path)
-        if record.get("format") != FORMAT:
-            other = f"another version of nearflat wrote it (format {shown(record.get('format'))}, not {FORMAT})"
-            raise InputError(f"{path}: {other}; use that version, or {anew}")
+    except RunError as error:
+        raise InputError(f"{path}: is damaged ({error}); {anew}") from None
+    if record.get("format") != FORMAT:
+        other = f"another version of nearflat wrote it (format {shown(record.get('format'))}, not {FORMAT})"
+        raise InputError(f"{path}: {other}; use that version, or {anew}")
+    try:
         digest_of_identity(record)  # which looks at what others need
-        if (
-            type(record["chunks"]) is not int
-            or {*record["formats"]} - {*KNOWN_FORMATS}
-            or {type(name) for name in record["arithmetic"]} - {str}
-        ):
-            raise TypeError("chunks, formats or arithmetic")
-    except (RunError, KeyError, TypeError, AttributeError) as error:
+        whole("chunks", record["chunks"])
+        words("arithmetic", record["arithmetic"])
+        read_formats("formats", words("formats", record["formats"]))
+    except (InputError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: is damaged ({error}); {anew}") from None
     return record
 
 
 def stored_scene(record: dict[str, Any]) -> Scene:
     """The scene of a run.json; a user's is loaded from its file. Raises InputError."""
-    if record.get("from"):
-        scene_class(record["from"])
+    where = record.get("from")
+    if where and _code_now(record) is None:
+        raise InputError(
+            f"scene {where}: there is no file of that name any more; put it back, or, with the options of "
+            f"run.json, go on with: nearflat run NEW.py:{where.rpartition(':')[2]} ... --resume --out DIR"
+        )
+    if where:
+        scene_class(where)
     return scene_of(record["options"])
 
 
-def code_now(record: dict[str, Any]) -> str | None:
+def _code_now(record: dict[str, Any]) -> str | None:
     """The digest that the file of a user's scene has by now; None where it is not there."""
     where = record.get("from")
     return _code_in(where.rpartition(":")[0]) if where else record["code"]
 
 
-def changed(record: dict[str, Any], scene: Scene | None) -> list[str]:
-    """What computed a run and is other now, in sentences. scene: None where its file is other, or not there."""
-    now = identity(scene) if scene else {**record, "code": code_now(record) or record["code"]}
+def changed(record: dict[str, Any], scene: Callable[[], Scene]) -> list[str]:
+    """What computed a run and is other now, in sentences. scene: makes it, unless its file is other, or gone."""
+    now = {**record, "code": _code_now(record) or record["code"], "kernels": compiled.source_digest()}
+    if _code_now(record) == record["code"]:
+        now = identity(scene())
     return [_remedy(what, record) for what in MADE_BY if now[what] != record[what]]
 
 
@@ -184,13 +192,13 @@ def missing_chunks(folder: Path, scene: Scene, say: Callable[[str], None]) -> li
     for leftover in (*folder.glob(".*.tmp"), *folder.glob("chunks/.*.tmp")):
         leftover.unlink(missing_ok=True)
     good, shared = set[int | None](), digest_of_identity(identity(scene))
-    for chunk, fault in store.examined(store.chunks_in(folder), scene.chunks, shared, scene):
+    for chunk, fault in store.examined(store.chunks_in(folder), scene.chunks, shared):
         path, place = folder / "chunks" / chunk.name, folder / "bad"
-        if not fault:
-            good.add(chunk.number)
-        elif fault == store.SHORTER:
-            say(f"{chunk.name}: {fault}; it is computed anew")
+        if not fault and chunk.note()["samples"] < scene.length(chunk.number or 0):
+            say(f"{chunk.name}: it was the last of a run of fewer samples; it is computed anew")
             path.unlink()
+        elif not fault:
+            good.add(chunk.number)
         else:
             say(f"{chunk.name}: {fault}; it is put aside in {place}")
             place.mkdir(exist_ok=True)

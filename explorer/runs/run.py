@@ -142,15 +142,15 @@ class Run:
         for part in self.parts:
             due = folders.digest_of_identity(part.identity)
             for said in map(store.Chunk.note, part.complete()):
-                try:
-                    total += self.scene.tally.of_state(said["tally"])
-                except (KeyError, TypeError, ValueError):
-                    due = ""
                 if said["identity"] != due:
                     fault = "its chunks are not those that run.json describes"
                     raise RunError(f"{part.place}: {fault}; see: nearflat verify {part.place}")
+                with self.scene.running("tally"):
+                    total += self.scene.tally.of_state(said["tally"])
                 digests.append(said["digest"])
-        numbers = {**self.options, **plain(self.scene.summarise(total)), "digest": store.digest_of_all(digests)}
+        with self.scene.running("summarise"):
+            numbers = {**self.options, **plain(self.scene.summarise(total))}
+        numbers["digest"] = store.digest_of_all(digests)
         if self._parts:
             numbers["seed"] = [part.scene.seed for part in self._parts]
         return total, numbers
@@ -159,6 +159,12 @@ class Run:
     def summary(self) -> dict[str, Any]:
         """The numbers of the run. Raises RunError where chunks are missing or damaged."""
         return self._total[1]
+
+    @property
+    def headline(self) -> list[str]:
+        """The numbers in a few lines of text."""
+        with self.scene.running("headline"):
+            return self.scene.headline(self.summary)
 
     def renewed(self) -> "Run":
         """The run with its numbers added up anew from its chunks, and stored where they are others than before."""
@@ -170,27 +176,27 @@ class Run:
     @property
     def status(self) -> Progressed:
         """How far the run is: chunks and samples done, counts of each status, what is missing."""
-        notes, record, lacking = list[dict[str, Any]](), dict[str, Any](), set[str]()
+        due, notes = sum(part._due for part in self.parts), list[dict[str, Any]]()
         for part in self.parts:
             there = {chunk.number: chunk for chunk in part.chunks if chunk.number in range(part._due)}
             for chunk in there.values():
                 with contextlib.suppress(RunError):  # `verify` says what is wrong with it
                     notes.append(chunk.note())
-            if part.folder is not None:
-                record = folders.read_record(part.folder)
-                lacking |= set() if (part.folder / "summary.json").is_file() else {"summary"}
-                lacking |= {"figures"} if record["formats"] and "finished" not in record else set()
-        due = sum(part._due for part in self.parts)
-        lacking |= {"chunks"} if len(notes) < due else set()
+        record = folders.read_record(self.folder) if self.folder else {}
+        lacking = {
+            "chunks": len(notes) < due,
+            "figures": record.get("formats") and "finished" not in record,
+            "summary": self.folder and not (self.folder / "summary.json").is_file(),
+        }
         return Progressed(
             str(self.parts[0].identity["options"]["scene"]),
             due,
             len(notes),
             sum(note["samples"] for note in notes),
             dict(sum((note["tally"]["status"] for note in notes), ByName[int]())),
-            None if self._parts else record.get("finished"),
-            None if self._parts else record.get("seconds_for_chunks"),
-            tuple(sorted(lacking)),
+            record.get("finished"),
+            record.get("seconds_for_chunks"),
+            tuple(name for name, is_so in lacking.items() if is_so),
         )
 
     @property
@@ -208,7 +214,8 @@ class Run:
 
     def _pictures(self) -> dict[str, Picture]:
         total, summary = self._total
-        return dict(self.scene.figures(summary, total))
+        with self.scene.running("figures"):
+            return dict(self.scene.figures(summary, total))
 
     def figure(self, name: str, ax: "Axes | None" = None, **options: Any) -> "Figure":
         """One picture of the run.
@@ -296,28 +303,27 @@ class Run:
         >>> ex.run("race-angles", samples=1000).changed()
         []
         """
-        return [each for part in self.parts for each in folders.changed(part.identity, part._unchanged_scene)]
+        return [each for part in self.parts for each in part._changed()]
 
-    @property
-    def _unchanged_scene(self) -> Scene | None:
-        """The scene; None of a user's whose file is other than when the run was made, or not there."""
-        known = self.identity
-        return self.scene if self.folder is None or folders.code_now(known) == known["code"] else None
+    def _changed(self) -> list[str]:
+        return folders.changed(self.identity, lambda: self.scene)
 
     def _faults(self) -> list[str]:
-        known, scene, chunks, due = self.identity, self._unchanged_scene, self.chunks, self._due
+        known, chunks, due = self.identity, self.chunks, self._due
         faults = [f"run.json: {each}" for each in self.changed()]
         missing = sorted({*range(due)} - {chunk.number for chunk in chunks})
         named = shorten(", ".join(map(str, missing)), 60)
         if missing:
             faults.append(f"{len(missing):,} of {due:,} chunks are missing: {named}")
-        looked_at = store.examined(chunks, due, folders.digest_of_identity(known), scene, rows=True)
+        looked_at = store.examined(chunks, due, folders.digest_of_identity(known), rows=True)
         faults += [f"{chunk.name}: {fault}" for chunk, fault in looked_at if fault]
         told = self.folder and self.folder / "summary.json"
-        if not faults and scene and told and told.exists():
-            fresh = store.as_json(Run(scene, folder=self.folder).summary)
-            if not told.is_file() or told.read_bytes() != fresh:
-                faults.append("summary.json: does not belong to these chunks; run `nearflat summary`")
+        if not faults and told and told.exists():
+            with contextlib.suppress(InputError):  # without the file of a user's scene nothing is added up
+                if not told.is_file() or told.read_bytes() != store.as_json(
+                    Run(self.scene, folder=self.folder).summary
+                ):
+                    faults.append("summary.json: does not belong to these chunks; run `nearflat summary`")
         return faults
 
     def resume(self, **settings: Any) -> "Run":
@@ -338,11 +344,10 @@ class Run:
         far = self.status
         others = [f"{far.chunks_done} of {far.chunks} chunks; resume() computes the others"]
         if far.chunks_done == far.chunks:
-            scene = self._unchanged_scene
-            if scene:
-                others = scene.headline(self.summary)
-            else:
-                others = self.changed() or ["the file of its scene is not there any more"]
+            try:
+                others = self.changed() or self.headline
+            except InputError as error:
+                others = [str(error)]
         name = self.parts[0].identity["options"]["scene"]
         return [f"Run of {name}, {f'{len(self._parts)} merged' if self._parts else where}", *others]
 

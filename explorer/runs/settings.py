@@ -15,6 +15,7 @@ from explorer.scenes.scene import Scene, scene_class
 FORMATS, KNOWN_FORMATS = ("png", "svg"), ("png", "svg", "pdf")
 # What a run in memory may draw: some hundred megabytes where all rows are kept.
 MOST_IN_MEMORY = 1_000_000
+_WORDS = ("scene", "help", "json", "command")  # of records and of the command line, beside those of options
 
 
 def read_formats(name: str, value: Any) -> tuple[str, ...]:
@@ -102,17 +103,15 @@ def asked(name: Any, given: Mapping[str, Any], command: str | None = None, exist
     name: as `scene_class` takes it, or a scene. command: the command line, where there is one; then the run always
     has a folder. exist: what becomes of a run in the folder, unless it is said. Raises InputError.
     """
-    own = {each.name: given[each.name] for each in options_of(Settings) if given.get(each.name) is not None}
-    settings = Settings.of({"exist": exist, **own})
-    rest = {key: value for key, value in given.items() if key not in own and value is not None}
+    settings, rest = Settings.apart({"exist": exist, **{k: v for k, v in given.items() if v is not None}})
     if settings.rng is not None:
         if "seed" in rest:
             raise InputError("rng and seed say the same; leave one out")
         rest["seed"] = settings.rng
     kind = type(name) if isinstance(name, Scene) else scene_class(name)
-    taken = {each.name for each in options_of(Settings)} & {each.name for each in options_of(kind)}
+    taken = {*_WORDS, *(each.name for each in options_of(Settings))} & {each.name for each in options_of(kind)}
     if taken:
-        raise InputError(f"scene {kind.__name__}: {min(taken)} is a setting of runs; call your option otherwise")
+        raise InputError(f"scene {kind.__name__}: {min(taken)} is a word of runs; call your option otherwise")
     scene = name if isinstance(name, Scene) else kind.of(rest)
     if settings.out is None and (command is not None or samples_of(scene) > MOST_IN_MEMORY):
         settings = replace(settings, out=Path(f"results/{scene.name}-{scene.label}-{scene.seed}"))

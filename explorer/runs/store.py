@@ -24,13 +24,11 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from explorer.errors import RunError, shorten
-from explorer.phase.columns import COLUMNS
 from explorer.phase.results import status_codes, to_arrow
 from explorer.scenes.scene import Scene, Table
 
 _NAME = re.compile(r"chunk-([0-9]{6}|[1-9][0-9]{6,8})-([0-9a-f]{16})\.parquet")
 _NOTE, _CHECK = b"nearflat", b"nearflat.sha256"  # of the footer: what it says, and the digest of that
-SHORTER = "it was the last of a run of fewer samples"
 _FEW = 1 << 14  # rows, which one thread has read before others are asked to
 _DAMAGE = (OSError, ValueError, KeyError, TypeError, pa.ArrowException)  # what reading a damaged file may raise
 
@@ -83,11 +81,10 @@ class Chunk(NamedTuple):
                 f"{where}: cannot be read or is damaged ({in_one_line(error)}); resume the run"
             ) from error
 
-    def fault(self, identity: str, scene: Scene | None, rows: bool) -> str:
+    def fault(self, identity: str, rows: bool) -> str:
         """What is wrong with it as a chunk of this run, by all of its bytes; empty where all is well.
 
-        scene: whose columns and lengths it must have, where these are known. rows: whether they are read too, and
-        compared with the digest in its footer.
+        rows: whether they are read too, and compared with the digest in its footer.
         """
         try:
             inside = self.data()
@@ -95,12 +92,8 @@ class Chunk(NamedTuple):
                 return "its bytes are not those that were written"
             with Chunk(self.name, inside)._opened() as file:
                 note = _noted(file)
-                if scene is not None:
-                    _check_columns(scene, file.schema_arrow)
             if (note["identity"], note["index"]) != (identity, self.number):
                 return "it belongs to another run"
-            if scene is not None and note["samples"] != (due := scene.length(note["index"])):
-                return SHORTER if note["samples"] < due else f"it stands for more than {due:,} samples"
             if rows and digest_of(Chunk(self.name, inside).table(), note["tally"]) != note["digest"]:
                 return "its rows and counts have another digest than it says"
         except (RunError, *_DAMAGE) as error:
@@ -114,7 +107,7 @@ def chunks_in(folder: Path) -> list[Chunk]:
 
 
 def examined(
-    chunks: Sequence[Chunk], count: int, identity: str, scene: Scene | None, rows: bool = False
+    chunks: Sequence[Chunk], count: int, identity: str, rows: bool = False
 ) -> Iterator[tuple[Chunk, str]]:
     """Each chunk of a run of `count` with what is wrong with it; empty where all is well."""
     known = Counter(chunk.number for chunk in chunks)
@@ -124,34 +117,25 @@ def examined(
         elif chunk.number >= count:
             yield chunk, f"is beyond the end of the run, which has {count:,} chunks"
         else:
-            yield chunk, chunk.fault(identity, scene, rows)
+            yield chunk, chunk.fault(identity, rows)
 
 
 Done = tuple[Chunk, dict[str, int]]  # a chunk, and in which status its samples ended
 
 
 def make_chunk(scene: Scene, index: int, identity: str, folder: Path | None) -> Done:
-    """Compute a chunk, and write it where there is a folder; and in which status its samples ended.
-
-    Raises RunError where the scene makes what cannot be stored: a user's scene may.
-    """
-    table, tally = scene.chunk(index)
-    try:
-        arrow, state = as_arrow(scene, table), tally.state()
-        arrow.validate()
-        _check_columns(scene, arrow.schema)
+    """Compute a chunk, and write it where there is a folder; and in which status its samples ended."""
+    with scene.running("chunk"):
+        table, tally = scene.chunk(index)
+    with scene.running("columns"):
+        arrow = as_arrow(scene, table)
+        arrow.select(list(scene.columns))  # fails where one is missing
         read = {name: _values(arrow.column(name)) for name in table if table[name].dtype.kind not in "fiub"}
-        digest = digest_of({**table, **read}, state)
-        note = {
-            "index": index,
-            "identity": identity,
-            "samples": scene.length(index),
-            "digest": digest,
-            "tally": state,
-        }
+    note: dict[str, Any] = {"index": index, "identity": identity, "samples": scene.length(index)}
+    with scene.running("tally"):
+        note["tally"] = tally.state()
+        note["digest"] = digest_of({**table, **read}, note["tally"])
         text = json.dumps(note, allow_nan=False).encode()
-    except _DAMAGE as error:
-        raise RunError(f"chunk {index}: {scene.name} made what cannot be stored ({in_one_line(error)})") from None
     stream = pa.BufferOutputStream()
     _write_parquet(arrow, stream, {_NOTE: text, _CHECK: _sha(text).encode()})
     content = stream.getvalue().to_pybytes()
@@ -167,17 +151,6 @@ def as_arrow(scene: Scene, table: Table) -> pa.Table:
     own = scene.columns if isinstance(scene.columns, dict) else {}
     fields = [field.with_metadata(own[field.name].texts) if field.name in own else field for field in arrow.schema]
     return arrow.cast(pa.schema(fields)) if own else arrow
-
-
-def _check_columns(scene: Scene, schema: pa.Schema) -> None:
-    """Raise ValueError where a column that the scene names is missing or has another type; there may be others."""
-    known = {name: COLUMNS[name].kind for name in scene.columns if name in COLUMNS}
-    due = to_arrow({name: np.empty(0, np.int8 if kind == "status" else kind) for name, kind in known.items()})
-    for name in scene.columns:
-        if name not in schema.names:
-            raise ValueError(f"column {name!r} is missing")
-        if name in known and schema.field(name).type != due.schema.field(name).type:
-            raise ValueError(f"column {name!r} holds {schema.field(name).type}, not {due.schema.field(name).type}")
 
 
 def _write_parquet(table: pa.Table, stream: Any, metadata: dict[bytes, bytes]) -> None:

@@ -8,6 +8,7 @@ import hashlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -59,8 +60,8 @@ class GivenStates:
     """States that a user gives. A row that is no state gets the status BAD_INPUT, and the others are computed.
 
     what: how messages call them. sha256: of the file's bytes or of the numbers; it identifies a run. columns: of a
-    table; None for `States`, for a Parquet file, which is read piece by piece, and where a stored run had states
-    that were never in a file. chart: which columns say where the disk is.
+    table; None for `States`, and for a Parquet file, which is read piece by piece. chart: which columns say where
+    the disk is; None for `States`, and of a stored run, whose file is opened when a row is needed.
     """
 
     what: str
@@ -91,20 +92,16 @@ class GivenStates:
             chart = _chart(table.column_names, flag)
             columns = _read(table, chart, flag)
             return cls(flag, table.num_rows, _digest(columns), None, chart, columns)
-        if "file" not in value:
-            return cls(flag, int(value["rows"]), value["sha256"])
-        opened = cls._of_file(flag, Path(value["file"]))
-        if opened.sha256 != value["sha256"]:
-            raise InputError(f"{flag} {opened.path}: is not the file of states that the run began with")
-        return opened
+        path = Path(value["file"]) if "file" in value else None
+        return cls(flag, int(value["rows"]), value["sha256"], path)
 
     @classmethod
-    def _of_file(cls, flag: str, path: Path) -> "GivenStates":
+    def _of_file(cls, flag: str, path: Path, remedy: str = "give Parquet or CSV") -> "GivenStates":
         """From a Parquet or a CSV file. Raises InputError where it cannot be read or says no state."""
         import pyarrow.parquet as pq
 
         what = f"{flag} {path}"
-        with _reading(what, "give Parquet or CSV"), path.open("rb") as stream:
+        with _reading(what, remedy), path.open("rb") as stream:
             parquet = stream.read(len(_PARQUET)) == _PARQUET
             stream.seek(0)
             sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
@@ -114,10 +111,20 @@ class GivenStates:
         columns = _read(table, chart, what)  # refuses columns of types that are of no use
         return cls(what, rows, sha256, path, chart, None if parquet else columns)
 
-    @property
-    def known(self) -> bool:
-        """Whether they can be read: not where a stored run had states that were never in a file."""
-        return self.chart is not None or self.states is not None
+    @cached_property
+    def opened(self) -> "GivenStates":
+        """With the table, also of a stored run. Raises InputError where its states are not there any more."""
+        if self.chart is not None or self.states is not None:
+            return self
+        if self.path is None:
+            raise InputError(
+                f"{self.what}: this run has states that were given in Python; go on with "
+                'run(..., states=..., out=..., exist="resume") there'
+            )
+        found = self._of_file(self.what, self.path, "put the file back")
+        if found.sha256 != self.sha256:
+            raise InputError(f"{found.what}: is not the file of states that the run began with; put that one back")
+        return found
 
     def describe(self) -> dict[str, str | int]:
         """The entry of run.json."""
@@ -126,15 +133,13 @@ class GivenStates:
 
     def read(self, disk: Disk, first: int, count: int, degrees: bool = False) -> Block:
         """Rows first ... first + count - 1. Raises InputError where the file has been damaged since."""
+        if self.opened is not self:
+            return self.opened.read(disk, first, count, degrees)
         row = {"row": np.arange(first, first + count)}
         if self.states is not None:
             states = self.states.at(np.arange(first, first + count))
             return Block(states, row | coordinates_of(states), {})
-        if self.chart is None:
-            raise InputError(
-                f"{self.what}: this run has states that were given in Python; go on with "
-                "run(..., states=..., resume=True) there"
-            )
+        assert self.chart is not None
         if self.columns is None:
             table = self._piece(self.chart, first, count)
         else:

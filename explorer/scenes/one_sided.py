@@ -7,7 +7,7 @@ shrinks like eta ln(1/eta); the two limits themselves stay 2 kappa pi mod 2 pi a
 
 import math
 from collections.abc import Iterator
-from functools import partial
+from functools import cached_property, partial
 from itertools import chain, islice
 from typing import Any
 
@@ -88,10 +88,6 @@ class OneSided(Scene):
         if len({disk.name for disk in self.disk}) < len(self.disk):
             raise InputError("disk: one-sided needs different names; name disks in TOML files")
 
-    @property
-    def label(self) -> str:
-        return "+".join(disk.name for disk in self.disk)
-
     def span(self, disk: Disk) -> Range:
         """|eta_hat| in the units of the disk; 1e-6 to 1e-1 natural units unless given."""
         return self.eta_hat or (1e-6 * disk.rate_unit, 1e-1 * disk.rate_unit)
@@ -107,27 +103,23 @@ class OneSided(Scene):
         low, high = self.span(disk)
         return np.geomspace(high, low, max(1, round(math.log10(high / low)) + 1))
 
-    @property
-    def blocks(self) -> int:
-        """Chunks per disk."""
-        return -(-self.samples // BLOCK)
+    @cached_property
+    def parts(self) -> list[tuple[Disk, int, int]]:
+        """Of each chunk the disk, the number of its first start, and how many it has."""
+        firsts = range(0, self.samples, BLOCK)
+        return [(disk, first, min(BLOCK, self.samples - first)) for disk in self.disk for first in firsts]
 
     @property
     def chunks(self) -> int:
-        return len(self.disk) * self.blocks
-
-    def _of(self, index: int) -> tuple[Disk, int, int]:
-        """The disk of chunk `index`, the number of its first start, and how many it has."""
-        first = index % self.blocks * BLOCK
-        return self.disk[index // self.blocks], first, min(BLOCK, self.samples - first)
+        return len(self.parts)
 
     def length(self, index: int) -> int:
-        disk, _, count = self._of(index)
+        disk, _, count = self.parts[index]
         return 2 * count * self.ladder(disk).size
 
     def starts(self, index: int) -> list[dict[str, float]]:
         """Points of F of chunk `index`, each by its phidot, sigma3_bar and face at the vertical."""
-        disk, _, count = self._of(index)
+        disk, _, count = self.parts[index]
         drawn = (self.box or BoxNearF.default(disk)).starts(chunk_stream(self.seed, index), count)
         return [{name: float(values[i]) for name, values in drawn.items()} for i in range(count)]
 
@@ -142,9 +134,9 @@ class OneSided(Scene):
         allows.
         """
         groups = []
-        for number, disk in enumerate(self.disk):
+        for disk in self.disk:
             distances = self._distances(disk)
-            chunks = range(number * self.blocks, (number + 1) * self.blocks)
+            chunks = [index for index, part in enumerate(self.parts) if part[0] is disk]
             starts = chain.from_iterable(map(self.starts, chunks))
             for start in islice(starts, max(1, motions // (len(self.disk) * distances.size))):
                 times = sample_times(limits_at(disk, start)[1])[0] if t_end is None else even_times(t_end)
@@ -156,7 +148,7 @@ class OneSided(Scene):
         return np.concatenate([self.ladder(disk), -self.ladder(disk)])
 
     def chunk(self, index: int) -> tuple[Table, Approach]:
-        (disk, first, _), tally = self._of(index), Approach()
+        (disk, first, _), tally = self.parts[index], Approach()
         tables = [self._approach(disk, first + i, start) for i, start in enumerate(self.starts(index))]
         for table in tables:
             distance, chi = (table[name].reshape(2, -1) for name in ("distance", "chi_between"))
@@ -221,8 +213,10 @@ class OneSided(Scene):
         from explorer.pictures import one_sided
 
         yield "distance", partial(one_sided.one_sided_distance, summary)
-        for number, disk in enumerate(self.disk):
-            start = beside(disk, self.starts(number * self.blocks)[0], 0.0)
+        for index, (disk, first, _) in enumerate(self.parts):
+            if first:
+                continue
+            start = beside(disk, self.starts(index)[0], 0.0)
             both = both_sides(start)
             yield f"motion-{disk.name}", partial(one_sided.one_sided_motion, both)
             yield f"contact-{disk.name}", partial(one_sided.contact_paths, both)

@@ -9,7 +9,7 @@ name of the option and the value, and raises InputError with both.
 import argparse
 import math
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import Field, dataclass, field, fields
+from dataclasses import Field, dataclass, field, fields, is_dataclass
 from functools import partial
 from typing import Any, NamedTuple, Self, dataclass_transform
 
@@ -63,6 +63,12 @@ class Options:
 
     def __init_subclass__(cls, **how: Any) -> None:
         super().__init_subclass__(**how)
+        inherited = {each.name for each in fields(cls.__mro__[1])} if is_dataclass(cls.__mro__[1]) else set()
+        for name, value in vars(cls).items():
+            if isinstance(value, Field) and name not in inherited and hasattr(super(cls, cls), name):
+                raise TypeError(
+                    f"{cls.__name__}.{name} has the name of something else; call your option otherwise"
+                )
         dataclass(frozen=True, kw_only=True, repr=False)(cls)
 
     def __post_init__(self) -> None:
@@ -86,7 +92,16 @@ class Options:
                 what, names = getattr(cls, "name", cls.__name__.lower()), [each.name for each in options_of(cls)]
                 said = name if name.isidentifier() else shown(name)
                 raise InputError(f"{said}: {what} takes no such option; {suggest(name, names)}")
+            if name != known[name] and given.get(known[name]) is not None:
+                raise InputError(f"{known[name]} and {name} say the same; leave one out")
         return cls(**{known[name]: value for name, value in given.items() if value is not None})
+
+    @classmethod
+    def apart(cls, given: Mapping[str, Any]) -> tuple[Self, dict[str, Any]]:
+        """These options of what was given, and what else was given. Raises InputError."""
+        names = {each.name for each in options_of(cls)}
+        own, rest = ({k: v for k, v in given.items() if (k in names) is mine} for mine in (True, False))
+        return cls.of(own), rest
 
     @classmethod
     def said(cls, words: argparse.Namespace) -> dict[str, Any]:
@@ -128,11 +143,6 @@ class Options:
 def options_of(kind: type) -> "tuple[Field[Any], ...]":
     """The options that a class declares and inherits."""
     return tuple(each for each in fields(kind) if "reader" in each.metadata)
-
-
-def own_options(kind: type) -> "tuple[Field[Any], ...]":
-    """Those that a user's class declares, or inherits from another of the user's."""
-    return tuple(each for each in options_of(kind) if not _home_of(kind, each).__module__.startswith("explorer."))
 
 
 def key_of(each: "Field[Any]") -> str:

@@ -4,13 +4,12 @@ The race angle of a passage is the increase of chi from vertical to vertical les
 along the limit motion on F with the same sigma3_bar and energy (its fall angle). Its limit is
 sgn(eta) kappa pi, whatever the initial state (Prop. 2).
 
-Passages start at the vertical near F; or states anywhere in the phase space, drawn or given, are followed
-to their next approaches to flat.
+It is one question of two kinds of samples, which the option `start` chooses: `NearF` and `Anywhere`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +26,7 @@ from explorer.measure.races import (
     law_rows,
     ridge_rows,
 )
-from explorer.measure.sampling import BLOCK, Range, Stream, gather, log_uniform, signs
+from explorer.measure.sampling import BLOCK, Range, Stream, gather, log_uniform, read_ranges, signs
 from explorer.measure.tallies import ByName, Histogram, LogHistogram
 from explorer.motion.bounces import MOST, bounce_kernels, bounces, motion_constants
 from explorer.motion.passages import passage_kernels, passages_by
@@ -49,12 +48,12 @@ _OF_BOUNCE = (
     *("bounce", "face", "side", "time", "race_angle", "delta_chi", "fall_angle"),
     *("theta_min", "duration", "error_estimate"),
 )
-# What can be done where no sample has a race angle
-_NEAR_F_REMEDY = (
-    "raise eta_hat or change accuracy; in box give phidot of 0 or more, which leads to flat, and rates below "
-    "1e100 natural units"
+_SAYS = (
+    "race angle (rad) of the {races_plus:,} with eta > 0: mean {mean_plus:+.4f}, median {median_plus:+.6f}",
+    "race angle (rad) of the {races_minus:,} with eta < 0: mean {mean_minus:+.4f}, median {median_minus:+.6f}",
+    "wrong way: {wrong_way}",
 )
-_ANYWHERE_REMEDY = "give states with more energy: the others do not come flat"
+_ELSEWHERE = ("states", "gaussian", "density")  # which say where states may be, anywhere
 KERNELS = (*tallies.KERNELS, *LogHistogram.KERNELS)  # of what is counted
 
 
@@ -88,7 +87,7 @@ class RaceAngles(FromStates):
         "near: passages that start at the vertical, near the falling set; anywhere: states in all of the phase "
         "space, drawn or given, and their next approaches to flat",
         words="near; with states, gaussian, density, or a box of more than phidot and sigma3: anywhere",
-        follows=lambda self, given: "near" if isinstance(self.box, BoxNearF) else "anywhere",
+        follows=lambda self, given: "near" if isinstance(self, NearF) else "anywhere",
     )
     eta_hat: Range | None = option(
         RANGE,
@@ -100,122 +99,29 @@ class RaceAngles(FromStates):
         whole_from(1, MOST), "how many approaches to flat of each state; with start near it is one", default=1
     )
 
+    name = "race-angles"
     tally, drawn = RaceCounts, 2
     observables: ClassVar[tuple[str, ...]] = ("race_angle", "theta_min", "duration")
     columns = ("phidot", "sigma3_bar", "eta_hat", "face", *_OF_PASSAGE)
     columns_of_given = ("row", "bounce", "phi", "sigma3", "sigma4", "side", "time")
-    says = (
-        "{passages:,} passages of the {disks[0][name]} disk; the limit +-kappa pi is {limit:.6f} rad",
-        "{approaches:,} bounces of {valid_states:,} states, {without_race:,} of them with too little energy to "
-        "come flat; the limit +-kappa pi is {limit:.6f} rad",
-        "race angle (rad) of the {races_plus:,} with eta > 0: mean {mean_plus:+.4f}, median {median_plus:+.6f}",
-        "race angle (rad) of the {races_minus:,} with eta < 0: mean {mean_minus:+.4f}, median {median_minus:+.6f}",
-        "wrong way: {wrong_way}",
-    )
+    remedy: ClassVar[str]  # what can be done where no sample has a race angle
+
+    @classmethod
+    def of(cls, given: Mapping[str, Any]) -> Self:
+        """The one of its two kinds that is meant."""
+        if cls is not RaceAngles:
+            return super().of(given)
+        near = given.get("start") == "near"
+        if given.get("start") is None:
+            elsewhere = any(given.get(name) is not None for name in _ELSEWHERE)
+            near = not elsewhere and {*read_ranges("box", given.get("box") or {})} <= {"phidot", "sigma3"}
+        kind: Any = NearF if near else Anywhere
+        made: Self = kind.of(given)
+        return made
 
     def __post_init__(self) -> None:
         super().__post_init__()
         require_axial_inertia(self.disk)
-        if self.near_f and self.bounces > 1:
-            raise InputError(
-                f"bounces {self.bounces}: a motion that starts near the falling set comes flat once here; give "
-                "start anywhere, or leave bounces out"
-            )
-
-    @property
-    def near_f(self) -> bool:
-        """Whether passages start at the vertical near F; else states are anywhere in the phase space."""
-        return self.start == "near"
-
-    def box_of(self, given: dict[str, Range] | None) -> Any:
-        """The box of starts near F or of states anywhere, and so which of them is meant where nobody says it."""
-        elsewhere = [name for name in ("states", "gaussian", "density") if getattr(self, name) is not None]
-        if self.start == "near" and elsewhere:
-            raise InputError(f"{elsewhere[0]}: is for start anywhere; leave one of them out")
-        if self.start == "near" or not (self.start or elsewhere or {*(given or {})} - {"phidot", "sigma3"}):
-            return BoxNearF.of(self.disk, given or {})
-        return super().box_of(given)
-
-    def eta_hat_of(self, given: Range | None) -> Range | None:
-        """The range of distances from F, which states anywhere have of themselves."""
-        if not self.near_f:
-            if given is not None:
-                raise InputError(
-                    "eta_hat: is for start near; states, gaussian, density, and a box of more than phidot and "
-                    "sigma3 mean start anywhere; leave one of them out"
-                )
-            return None
-        if self.degrees:
-            raise InputError("degrees: is for start anywhere; leave one of them out")
-        unit = self.disk.rate_unit
-        span = given or (1e-6 * unit, 1e-2 * unit)
-        check_eta_hat(span, self.disk)
-        return span
-
-    @property
-    def kernels(self) -> tuple[str, ...]:
-        if not self.near_f:
-            return *super().kernels, *bounce_kernels(self.plan), *KERNELS
-        some = () if self.energy is None else ("algebra.constants_batch",)
-        return *super().kernels, *some, *passage_kernels(self.plan), *KERNELS
-
-    # Samples
-
-    @property
-    def rows(self) -> int:
-        return self.bounces
-
-    def blocks(self, index: int) -> Iterator[Any]:
-        return SampledScene.blocks(self, index) if self.near_f else super().blocks(index)
-
-    def draw(self, random: Stream, count: int) -> Table:
-        """Starts at the vertical: phidot, sigma3_bar, eta_hat and face. Or coordinates of states anywhere."""
-        if not self.near_f:
-            return super().draw(random, count)
-        if self.energy is None:
-            return self._starts(random, count)
-        low, high = self.energy
-
-        def block() -> tuple[dict[str, Array], NDArray[np.bool_]]:
-            drawn = self._starts(random, BLOCK)
-            states = constants_to_states(self.disk, **drawn)
-            energy = states.motion.energy * self.disk.energy_unit
-            return drawn, (energy >= low) & (energy <= high)
-
-        return gather(block, count, "energy: only {} draws beside the falling set were kept; widen it")
-
-    def _starts(self, random: Stream, count: int) -> Table:
-        start = self.box.starts(random, count)
-        face = start.pop("face")
-        assert self.eta_hat is not None
-        eta_hat = log_uniform(random.random(count), *self.eta_hat)
-        eta_hat *= signs(random.random(count))
-        return {**start, "eta_hat": eta_hat, "face": face}
-
-    def observe(self, drawn: Any) -> Table:
-        return self._passages(drawn) if self.near_f else self._bounces(drawn)
-
-    def _passages(self, drawn: Table) -> Table:
-        found = passages_by(self.disk, starts_at_vertical(self.disk, *_start(drawn)), self.plan)[0]
-        face = drawn["face"].astype(np.int8)
-        return {**drawn, "face": face, **{name: getattr(found, name) for name in _OF_PASSAGE}}
-
-    def _bounces(self, block: Block) -> Table:
-        """A row for each approach to flat of each state."""
-        found = bounces(block.states, self.rows, self.accuracy, method=self.plan.method)
-        results = motion_constants(found) | {name: getattr(found, name) for name in (*_OF_BOUNCE, "status")}
-        table = {name: values.ravel() for name, values in results.items()}
-        return block.at(np.repeat(np.arange(len(block.states)), self.rows)).with_results(table)
-
-    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
-        if not self.near_f:
-            return super().reference_samples(motions, t_end)
-        drawn = joined([block for index in range(self.chunks) for block in self.blocks(index)])
-        first = {name: values[:motions] for name, values in drawn.items()}
-        return [
-            ReferencePassages(self.disk, starts_at_vertical(self.disk, *_start(drawn))),
-            through_time(constants_to_states(self.disk, **first), t_end),
-        ]
 
     # Counts
 
@@ -238,14 +144,11 @@ class RaceAngles(FromStates):
         tally.without_race += int(np.count_nonzero(np.isnan(race) & np.isfinite(table["delta_chi"])))
 
     def summarise(self, tally: RaceCounts) -> dict[str, Any]:
-        of_states = {}
-        if not self.near_f:
-            states, without = self.states_among(tally.status), tally.without_race
-            of_states = {"valid_states": states, "approaches": states * self.rows, "without_race": without}
         if not tally.decades.total:
             told = ", ".join(f"{count:,} {name}" for name, count in tally.status.items())
-            none = f"race-angles: none of {self.samples:,} samples has a race angle ({told})"
-            raise RunError(f"{none}; {_NEAR_F_REMEDY if self.near_f else _ANYWHERE_REMEDY}")
+            raise RunError(
+                f"{self.name}: none of {self.samples:,} samples has a race angle ({told}); {self.remedy}"
+            )
         limit, groups = self.disk.race_limit, tally.decades.groups
         summary = {
             **super().summarise(tally),
@@ -270,7 +173,6 @@ class RaceAngles(FromStates):
             "law": law_rows(self.disk, tally.law),
             "energy_range": [tally.energy.quantile(0.0), tally.energy.quantile(1.0)],
             "largest_error_estimate": tally.error_estimate.quantile(1.0),
-            **of_states,
         }
 
     def _decade(self, tally: RaceCounts, n: int) -> dict[str, Any]:
@@ -289,14 +191,115 @@ class RaceAngles(FromStates):
             },
         }
 
-    def headline(self, summary: dict[str, Any]) -> list[str]:
-        return super().headline(summary | ({"passages": summary["samples"]} if self.near_f else {}))
-
     def figures(self, summary: dict[str, Any], tally: RaceCounts) -> Iterator[tuple[str, Picture]]:
         from explorer.pictures import race
 
         yield "histogram", partial(race.race_histogram, summary)
         yield "deviation", partial(race.race_deviation, summary)
+
+
+class NearF(RaceAngles):
+    """Passages that start at the vertical near F."""
+
+    says = ("{samples:,} passages of the {disks[0][name]} disk; the limit +-kappa pi is {limit:.6f} rad", *_SAYS)
+    remedy = (
+        "raise eta_hat or change accuracy; in box give phidot of 0 or more, which leads to flat, and rates below "
+        "1e100 natural units"
+    )
+    name = RaceAngles.name
+    blocks = SampledScene.blocks
+
+    def box_of(self, given: dict[str, Range] | None) -> BoxNearF:
+        usual = {"bounces": 1, "degrees": False}
+        for name in (*_ELSEWHERE, *usual):
+            if getattr(self, name) != usual.get(name):
+                raise InputError(f"{name}: is for start anywhere; leave one of them out")
+        return BoxNearF.of(self.disk, given or {})
+
+    def eta_hat_of(self, given: Range | None) -> Range:
+        """The range of distances from F."""
+        span = given or (1e-6 * self.disk.rate_unit, 1e-2 * self.disk.rate_unit)
+        check_eta_hat(span, self.disk)
+        return span
+
+    @property
+    def kernels(self) -> tuple[str, ...]:
+        some = () if self.energy is None else ("algebra.constants_batch",)
+        return *some, *passage_kernels(self.plan), *KERNELS
+
+    def draw(self, random: Stream, count: int) -> Table:
+        """Starts at the vertical: phidot, sigma3_bar, eta_hat and face."""
+        if self.energy is None:
+            return self._starts(random, count)
+        low, high = self.energy
+
+        def block() -> tuple[dict[str, Array], NDArray[np.bool_]]:
+            drawn = self._starts(random, BLOCK)
+            states = constants_to_states(self.disk, **drawn)
+            energy = states.motion.energy * self.disk.energy_unit
+            return drawn, (energy >= low) & (energy <= high)
+
+        return gather(block, count, "energy: only {} draws beside the falling set were kept; widen it")
+
+    def _starts(self, random: Stream, count: int) -> Table:
+        start = self.box.starts(random, count)
+        face = start.pop("face")
+        assert self.eta_hat is not None
+        eta_hat = log_uniform(random.random(count), *self.eta_hat)
+        eta_hat *= signs(random.random(count))
+        return {**start, "eta_hat": eta_hat, "face": face}
+
+    def observe(self, drawn: Table) -> Table:
+        found = passages_by(self.disk, starts_at_vertical(self.disk, *_start(drawn)), self.plan)[0]
+        face = drawn["face"].astype(np.int8)
+        return {**drawn, "face": face, **{name: getattr(found, name) for name in _OF_PASSAGE}}
+
+    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
+        drawn = joined([block for index in range(self.chunks) for block in self.blocks(index)])
+        first = {name: values[:motions] for name, values in drawn.items()}
+        return [
+            ReferencePassages(self.disk, starts_at_vertical(self.disk, *_start(drawn))),
+            through_time(constants_to_states(self.disk, **first), t_end),
+        ]
+
+
+class Anywhere(RaceAngles):
+    """States in all of the phase space, drawn or given, and their next approaches to flat: a row for each."""
+
+    says = (
+        "{approaches:,} bounces of {valid_states:,} states, {without_race:,} of them with too little energy to "
+        "come flat; the limit +-kappa pi is {limit:.6f} rad",
+        *_SAYS,
+    )
+    name = RaceAngles.name
+    remedy = "give states with more energy: the others do not come flat"
+
+    def eta_hat_of(self, given: Range | None) -> None:
+        """None: states have distances from F of themselves."""
+        if given is not None:
+            raise InputError(
+                "eta_hat: is for start near; states, gaussian, density, and a box of more than phidot and "
+                "sigma3 mean start anywhere; leave one of them out"
+            )
+
+    @property
+    def kernels(self) -> tuple[str, ...]:
+        return *super().kernels, *bounce_kernels(self.plan), *KERNELS
+
+    @property
+    def rows(self) -> int:
+        return self.bounces
+
+    def observe(self, block: Block) -> Table:
+        found = bounces(block.states, self.rows, self.accuracy, method=self.plan.method)
+        results = motion_constants(found) | {name: getattr(found, name) for name in (*_OF_BOUNCE, "status")}
+        table = {name: values.ravel() for name, values in results.items()}
+        return block.at(np.repeat(np.arange(len(block.states)), self.rows)).with_results(table)
+
+    def summarise(self, tally: RaceCounts) -> dict[str, Any]:
+        states, without = self.states_among(tally.status), tally.without_race
+        of_states = {"valid_states": states, "approaches": states * self.rows, "without_race": without}
+        return super().summarise(tally) | of_states
 
 
 def _mean(tally: RaceCounts, groups: list[int]) -> float:

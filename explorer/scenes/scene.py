@@ -8,25 +8,25 @@ chunks and blocks, which rows are kept, files and workers are not its concern.
 import re
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import fields
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, RunError, one_of, shown
+from explorer.errors import InputError, RunError, one_of, shorten, shown
 from explorer.measure.sampling import Stream, chunk_stream
-from explorer.measure.tallies import ADD_UP, ByName, Tally, adds_up, count_status
+from explorer.measure.tallies import ByName, Tally, count_status
 from explorer.motion.plan import METHODS, Plan, plan
 from explorer.motion.reference_samples import ReferenceSamples
 from explorer.phase.columns import Column
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.paths import read_toml
-from explorer.scenes.options import DISK, NUMBER, Options, option, own_options, whole_from, word_of
+from explorer.scenes.options import DISK, NUMBER, Options, key_of, option, options_of, whole_from, word_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,6 +37,20 @@ Picture: TypeAlias = "Callable[..., Axes | Figure]"
 Table = dict[str, NDArray[Any]]
 K = TypeVar("K", bound="type[Scene]")
 SAMPLES = whole_from(1, 10**12), "number of samples, e.g. 1e6"
+
+
+@contextmanager
+def code_of_user(place: str | None) -> Iterator[None]:
+    """Say in a sentence what fails in a user's code, and at which place; None: in our own, which says itself."""
+    try:
+        yield
+    except (InputError, RunError, MemoryError):
+        raise
+    except Exception as error:
+        if place is None:
+            raise
+        what = " ".join(f"{type(error).__name__}: {error}".split())
+        raise RunError(f"{place}: {shorten(what, 300)}") from error
 
 
 class Counts(Tally):
@@ -80,6 +94,17 @@ class Scene(Options, ABC):
         if not self.observables and self.method != "auto":
             raise InputError(f"method {self.method}: {self.name} names no observables, so it has no methods")
 
+    @classmethod
+    def of(cls, given: Mapping[str, Any]) -> Self:
+        with cls.running("__post_init__"):
+            return super().of(given)
+
+    @classmethod
+    def running(cls, method: str) -> AbstractContextManager[None]:
+        """A method of the scene, of which a user's is named where it fails: my.py:Scene.method."""
+        ours = cls.__module__.startswith("explorer.")
+        return code_of_user(None if ours else f"{file_of(cls) or cls.__qualname__}.{method}")
+
     @property
     def options(self) -> dict[str, Any]:
         """Everything that decides the numbers, ready for JSON."""
@@ -107,9 +132,14 @@ class Scene(Options, ABC):
         return ()
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
-        """The summary in a few lines of text: `says`, or all plain numbers, and how samples ended."""
+        """The summary in a few lines of text: `says`, or plain numbers that are no defaults; how samples ended."""
         lines = [text for line in self.says if (text := _filled(line, summary))]
-        plain = [f"{name}: {value}" for name, value in summary.items() if isinstance(value, int | float | str)]
+        usual = {key_of(each): each.default for each in options_of(type(self))}
+        plain = [
+            f"{name}: {value}"
+            for name, value in summary.items()
+            if isinstance(value, int | float | str) and value != usual.get(name)
+        ]
         ended = ", ".join(f"{count:,} {name}" for name, count in summary.get("status", {}).items())
         return [*(lines or plain), f"status: {ended}"]
 
@@ -122,8 +152,8 @@ class Scene(Options, ABC):
 
     @property
     def label(self) -> str:
-        """Names the disk in the name of a folder."""
-        return self.disk.name
+        """Names the disk, or several, in the name of a folder."""
+        return "+".join(disk["name"] for disk in self.options["disks"])
 
     @property
     def kernels(self) -> tuple[str, ...]:
@@ -160,11 +190,11 @@ class SampledScene(Scene):
 
     def draw(self, random: Stream, count: int) -> Table:
         """So many samples, or what makes them: columns, from the random stream of a chunk."""
-        raise NotImplementedError
+        raise NotImplementedError(_OFFERS)
 
     def observe(self, drawn: Any) -> Table:
         """All columns of a block of samples that are stored or counted; one is `status`."""
-        raise NotImplementedError
+        raise NotImplementedError(_OFFERS)
 
     def count(self, tally: Any, table: Table) -> None:
         """Add the samples of a block to a tally, whose `status` is counted already."""
@@ -191,40 +221,35 @@ class SampledScene(Scene):
     def blocks(self, index: int) -> Iterator[Any]:
         """What `observe` takes, block by block."""
         count = self.length(index)
-        drawn = self.draw(chunk_stream(self.seed, index), count)
-        wrong = [name for name, values in drawn.items() if len(values) != count]
-        if wrong:
-            raise RunError(
-                f"{self.name}: `draw` gives {len(drawn[wrong[0]])} values of {wrong[0]} for {count} samples; "
-                "give one for each"
-            )
-        for first in range(0, count, self.block):
-            yield {name: values[first : first + self.block] for name, values in drawn.items()}
+        with self.running("draw"):
+            drawn = self.draw(chunk_stream(self.seed, index), count)
+            for first in range(0, count, self.block):
+                yield {name: values[first : first + self.block] for name, values in drawn.items()}
 
     def chunk(self, index: int) -> tuple[Table, Any]:
         tally, kept = self.tally(), []
         for block in self.blocks(index):
-            table = self.observe(block)
-            if "status" not in table:
-                raise RunError(f"{self.name}: `observe` gives no column `status`; give one code for each sample")
-            if {np.shape(values) for values in table.values()} != {(np.size(table["status"]),)}:
-                shapes = ", ".join(f"{name} {np.shape(values)}" for name, values in table.items())
-                raise RunError(
-                    f"{self.name}: `observe` gives columns of several shapes ({shapes}); give one row each"
-                )
-            table["status"] = table["status"].astype(np.int8, copy=False)
-            tally.status += count_status(table["status"][:: self.rows])
-            self.count(tally, table)
-            kept.append(self.kept(table))
+            with self.running("observe"):
+                table = self.observe(block)
+                table["status"] = np.asarray(table["status"]).astype(np.int8, copy=False)
+                shapes = {name: np.shape(values) for name, values in table.items()}
+                if len({*shapes.values()}) > 1:
+                    raise ValueError(f"columns of several shapes {shapes}; give one row for each sample")
+                tally.status += count_status(table["status"][:: self.rows])
+            with self.running("count"):
+                self.count(tally, table)
+            with self.running("near"):
+                kept.append(self.kept(table))
+        with self.running("draw and observe"):
+            if (counted := sum(tally.status.values())) != (due := self.length(index)):
+                raise ValueError(f"{counted} samples, not {due}; give one row for each sample")
         return joined(kept), tally
 
     def kept(self, table: Table) -> Table:
         """The rows of a block that are stored."""
         if self.keep == "all":
             return table
-        if self.keep == "none":
-            return {name: values[:0].copy() for name, values in table.items()}
-        rows = self.near(table)
+        rows = self.near(table) & (self.keep == "near")
         return table if rows.all() else {name: values[rows] for name, values in table.items()}
 
 
@@ -246,8 +271,6 @@ def joined(tables: Sequence[Table]) -> Table:
 # Each is a file and a class of this name: race-angles is RaceAngles in race_angles.py.
 NAMES = ("falling-set", "measure-zero", "one-sided", "portrait", "race-angles")
 _own: dict[str, type[Scene]] = {}
-# Names beside those of options, in records and on the command line.
-_WORDS = ("scene", "help", "json", "command")
 _OFFERS = "a scene offers draw(random, count), observe(drawn), and mostly count(tally, table) and summarise(tally)"
 
 
@@ -297,41 +320,10 @@ def register(scene: K) -> K:
     if not (isinstance(scene, type) and issubclass(scene, Scene)):
         raise InputError(f"scene = {shown(scene)} is no scene; derive one from explorer.scenes.SampledScene")
     if not scene.__module__.startswith("explorer."):
-        fault = _fault_of(scene)
-        if fault:
-            raise InputError(f"scene {scene.__name__}: {fault}")
+        if scene.name in NAMES:
+            raise InputError(f"scene {scene.name!r} is a scene of nearflat; give yours another name")
         _own[scene.name] = scene
     return scene
-
-
-def _fault_of(kind: type[Scene]) -> str:
-    """What is wrong with the declarations of a user's scene; empty where all is well."""
-    if kind.name in NAMES:
-        return f"{kind.name!r} is a scene of nearflat; give another name"
-    lacking = set(kind.__abstractmethods__)
-    if issubclass(kind, SampledScene) and kind.chunk is SampledScene.chunk:
-        lacking |= {"observe"} if kind.observe is SampledScene.observe else set()
-        lacking |= {"draw"} if (kind.draw, kind.blocks) == (SampledScene.draw, SampledScene.blocks) else set()
-    if lacking:
-        return f"has no method {', '.join(sorted(lacking))}; {_OFFERS}"
-    bare = [each.name for each in fields(kind) if "reader" not in each.metadata]
-    if bare:
-        return f"{bare[0]} is no option yet; write {bare[0]}: ... = option(...)"
-    known = {*dir(SampledScene), *_WORDS}
-    taken = [each.name for each in own_options(kind) if each.name in known]
-    if taken:
-        return f"{taken[0]} is the name of something that every scene has; call your option otherwise"
-    tally: Any = kind.tally
-    if not (isinstance(tally, type) and issubclass(tally, Counts)):
-        return f"tally = {shown(tally)}; give a class derived from explorer.scenes.Counts"
-    bare = [name for name, value in vars(tally).items() if isinstance(value, int | float | list)]
-    if bare:
-        return f"{tally.__name__} gives {bare[0]} a value; declare what it counts, as {bare[0]}: int"
-    for name, what in tally.kinds.items():
-        if not adds_up(what):
-            told = getattr(what, "__name__", what)
-            return f"{tally.__name__} declares {name} as {told}, which does not add up; declare {ADD_UP}"
-    return ""
 
 
 def scene_class(name: Any) -> type[Scene]:
@@ -361,14 +353,12 @@ def _in_file(where: str) -> type[Scene]:
         raise InputError(f"scene {where}: there is no file {path}")
     if str(file.parent) not in sys.path:
         sys.path.insert(0, str(file.parent))
-    module = import_module(file.stem)
+    with code_of_user(f"scene {where}"):
+        module = import_module(file.stem)
     if Path(str(module.__file__)).resolve() != file:
         raise InputError(f"scene {where}: {file.stem} is the name of another module; rename the file")
     own = {each: kind for each, kind in vars(module).items() if isinstance(kind, type) and issubclass(kind, Scene)}
-    if name not in own:
-        known = ", ".join(each for each, kind in own.items() if kind.__module__ == module.__name__)
-        raise InputError(f"scene {where}: {name} is no scene there; known: {known}")
-    return own[name]
+    return own[one_of(f"scene {where}:", name, [each for each in own if own[each].__module__ == module.__name__])]
 
 
 def file_of(kind: type[Scene]) -> str | None:

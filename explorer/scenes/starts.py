@@ -165,11 +165,14 @@ class FromStates(FromDensity):
     def headline(self, summary: dict[str, Any]) -> list[str]:
         """As of all scenes, and the first rows of a table that are no states."""
         lines = super().headline(summary)
-        if summary["status"].get("bad_input") and self.states is not None and self.states.known:
-            status = self.first_states(_LOOKED_AT).status
+        if summary["status"].get("bad_input") and self.states is not None:
+            try:
+                status = self.first_states(_LOOKED_AT).status
+            except InputError as error:
+                return [*lines, f"which are no states (bad_input) cannot be said: {error}"]
             bad = np.flatnonzero(status == compiled.status.Status.BAD_INPUT)[:10]
             # A CSV file has its header in line 1.
-            csv = self.states.path is not None and self.states.columns is not None
+            csv = self.states.path is not None and self.states.opened.columns is not None
             which = ", ".join(map(str, bad + 2 if csv else bad))
             where = f"lines {which} of the file" if csv else f"rows {which}, counted from 0"
             lines.append(f"no states (bad_input), for instance {where}")

@@ -187,7 +187,7 @@ _nrt_python.memsys_enable_stats()
 disk = ex.Disk.uniform()
 state = {"phi": -0.4, "phidot": 0.5, "sigma3": 0.05, "sigma4": -0.3}
 states = ex.phi_to_states(disk, **state)
-tally = RaceAngles(samples=8, eta_hat="1e-4:9e-4").chunk(0)[1]
+tally = RaceAngles.of(dict(samples=8, eta_hat="1e-4:9e-4")).chunk(0)[1]
 faces = FallingSet(samples=70, theta_min="near", box="phi=-1:1").chunk(0)[1].faces
 numbers = [
     ex.passages(disk, [1.0, 0.3], [1e-3, -1e-9], [1.0, 1e-3]).race_angle,

@@ -12,7 +12,7 @@ UNIFORM, COIN = BODIES["uniform"], BODIES["coin"]
 
 
 def test_ridges_of_a_summary_are_coarser_and_no_passage_is_lost_or_changes_its_side():
-    scene = RaceAngles(samples=500)
+    scene = RaceAngles.of({"samples": 500})
     total = computed(scene)
     summary = scene.summarise(total)
     assert [row["decade"] for row in summary["ridges"]] == sorted(by_decade(total.decades)) == [-6, -5, -4, -3]
@@ -30,7 +30,7 @@ def test_ridges_of_a_summary_are_coarser_and_no_passage_is_lost_or_changes_its_s
 
 
 def test_races_of_ones_own_are_counted_as_a_run_counts_them():
-    scene = RaceAngles(samples=300, keep="all")
+    scene = RaceAngles.of({"samples": 300, "keep": "all"})
     table, theirs = scene.chunk(0)[0], scene.summarise(computed(scene))
     ours = race_ridges(UNIFORM, table["eta_hat"], table["race_angle"])
     assert ours == {name: theirs[name] for name in ours}

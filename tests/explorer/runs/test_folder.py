@@ -179,14 +179,12 @@ def test_a_damaged_record_is_named(content, tmp_path):
 
 @pytest.mark.parametrize(
     "changes",
-    [{"formats": True}, {"formats": "png"}, {"formats": ["bmp"]}, {"arithmetic": None}, {"chunks": "5"}],
+    [{"formats": True}, {"formats": "png"}, {"formats": ["bmp"]}, {"arithmetic": None}, {"chunks": "five"}],
 )
 def test_a_record_that_says_nothing_of_use_is_damaged(changes, finished):
     rewritten(finished, **changes)
     for ask in (lambda: ex.open(finished.folder), lambda: ex.run(Coins, out=finished.folder, **SMALL)):
-        with pytest.raises(
-            ex.InputError, match=r"run\.json: is damaged \(.*formats|run\.json: is damaged \(.* iterable"
-        ):
+        with pytest.raises(ex.InputError, match=rf"run\.json: is damaged \({next(iter(changes))}"):
             ask()
 
 

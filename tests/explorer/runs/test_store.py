@@ -14,7 +14,6 @@ from coins import SMALL, Coins
 
 import explorer as ex
 from explorer.runs import store
-from explorer.scenes.scene import Counts
 
 
 def chunk_of(run, number):
@@ -126,33 +125,6 @@ def test_numbers_and_tables_of_a_damaged_chunk_are_never_given_out(finished):
     path.write_bytes(spoilt)
     with pytest.raises(ex.RunError, match=f"{path.name}: cannot be read or is damaged"):
         _ = finished.summary
-
-
-class RecordCounts(Counts):
-    items: list
-
-
-class Unjson(Coins):
-    """Counts what JSON does not have."""
-
-    tally = RecordCounts
-    columns = ("status",)
-
-    def count(self, tally, table):
-        tally.items += [float("nan")]
-
-
-class Nameless(Coins):
-    """Lacks a column that it names."""
-
-    columns = ("status", "theta_min")
-
-
-@pytest.mark.parametrize("kind", [Unjson, Nameless])
-def test_a_scene_that_makes_what_cannot_be_stored_is_told_so(kind, tmp_path):
-    with pytest.raises(ex.RunError, match=rf"chunk \d: {kind.name} made what cannot be stored"):
-        ex.run(kind, samples=100, keep="all", jobs=1, out=tmp_path / "run", progress=False)
-    assert not [*(tmp_path / "run" / "chunks").iterdir()]
 
 
 @pytest.mark.parametrize("step", [(os, "fsync"), (Path, "replace")])

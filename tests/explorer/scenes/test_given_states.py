@@ -8,6 +8,7 @@ import pandas as pd
 import pyarrow
 import pyarrow.parquet
 import pytest
+from told import said
 
 import explorer as ex
 from explorer.scenes.falling_set import FallingSet
@@ -42,7 +43,27 @@ def test_bad_rows_are_flagged_with_their_number_and_the_others_are_computed(colu
     assert scene_of(record).options == record
     pyarrow.parquet.write_table(pyarrow.table(columns).slice(1), spoilt)
     with pytest.raises(ex.InputError, match="is not the file of states that the run began with"):
-        scene_of(record)
+        scene_of(record).chunk(0)
+
+
+def test_a_stored_run_is_read_without_the_file_of_its_states_and_says_what_it_cannot(columns, tmp_path, capsys):
+    path, folder = tmp_path / "states.csv", tmp_path / "run"
+    columns["sigma3"][7] = np.nan
+    pd.DataFrame(columns).to_csv(path, index=False)
+    run = ex.run("falling-set", states=path, out=folder, figures=False, chunk_size=100)
+    path.rename(tmp_path / "moved.csv")
+    assert said(capsys, "verify", folder)[:2] == (0, "intact\n")
+    status, out, _ = said(capsys, "summary", folder)
+    assert status == 0
+    assert "which are no states (bad_input) cannot be said" in out
+    assert ex.open(folder).summary == run.summary
+    run.chunks[2].content.unlink()
+    status, _, err = said(capsys, "resume", folder, "--no-figures")
+    assert (status, len(err.splitlines())) == (2, 1)
+    assert f"{path}: cannot be read (No such file or directory); put" in err
+    (tmp_path / "moved.csv").rename(path)
+    assert said(capsys, "resume", folder, "--no-figures")[0] == 0
+    assert ex.open(folder).summary == run.summary
 
 
 class Stream:

@@ -9,7 +9,7 @@ import pytest
 from told import said
 
 import explorer as ex
-from explorer.scenes import NUMBER, Counts, SampledScene, option
+from explorer.scenes import Counts, SampledScene
 from explorer.scenes import scene as scenes
 
 EXAMPLE = f"{Path(__file__).parents[3] / 'docs' / 'examples' / 'own_scene.py'}:Periods"
@@ -141,62 +141,75 @@ def test_a_class_is_a_scene_of_python_and_its_runs_add_up():
     assert ex.run("coins", samples=3000, seed=1, chunk_size=700).summary["share"] == runs[0].summary["share"]
 
 
-class DictCounts(Counts):
-    faces: dict
+RIGHT = """
+from explorer.scenes import NUMBER, Counts, SampledScene, option
 
+class HeadCounts(Counts):
+    heads: int
 
-class WithoutDraw(SampledScene):
-    observe = Coins.observe
+class Coins(SampledScene):
+    tally, columns = HeadCounts, ("status",)
 
+    def draw(self, random, count):
+        return {"heads": random.random(count) < 0.5}
 
-class WithDict(Coins):
-    tally = DictCounts
+    def observe(self, drawn):
+        return {**drawn, "status": 0 * drawn["heads"].astype("i1")}
 
+    def near(self, table):
+        return table["heads"]
 
-class WithoutTally(Coins):
-    tally = dict
+    def count(self, tally, table):
+        tally.heads += int(table["heads"].sum())
 
-
-class Seeded(Coins):
-    seed: float = option(NUMBER, "a seed of its own", default=1.0)
-
-
-class Parallel(Coins):
-    jobs: float = option(NUMBER, "jobs of its own", default=1.0)
-
-
-class Named(Coins):
-    scene: float = option(NUMBER, "a scene of its own", default=1.0)
-
-
-class Bare(Coins):
-    bias: float = 0.5
-
-
-class PlainCounts(Counts):
-    heads = 0
-
-
-class WithPlain(Coins):
-    tally = PlainCounts
+    def summarise(self, tally):
+        return {"share": tally.heads / self.samples}
+"""
 
 
 @pytest.mark.parametrize(
-    ("kind", "message"),
+    ("right", "wrong", "place", "message"),
     [
-        (Named, "scene is the name of something that every scene has"),
-        (Bare, r"bias is no option yet; write bias: ... = option\(...\)"),
-        (WithPlain, "PlainCounts gives heads a value; declare what it counts, as heads: int"),
-        (WithoutDraw, r"WithoutDraw: has no method draw; a scene offers draw\(random, count\)"),
-        (WithDict, r"DictCounts declares faces as dict, which does not add up; declare int, .*ByName"),
-        (WithoutTally, "give a class derived from explorer.scenes.Counts"),
-        (Seeded, "seed is the name of something that every scene has"),
-        (Parallel, "jobs is a setting of runs"),
+        (
+            "tally, columns",
+            "bias = option(NUMBER, 'share')\n    tally, columns",
+            "",
+            "TypeError: 'bias' is a field",
+        ),
+        (
+            "tally, columns",
+            "length: float = option(NUMBER, 'x')\n    tally, columns",
+            "",
+            "Coins.length has the name",
+        ),
+        ("tally, columns", "jobs: float = option(NUMBER, 'x')\n    tally, columns", "", "jobs is a word of runs"),
+        ("heads: int", "heads = 0", "", "HeadCounts.heads has no kind; write heads: int"),
+        ("SampledScene):", "SampledScene)", "", "SyntaxError"),
+        ("heads: int", "heads: dict", ".count", "TypeError"),
+        ("= HeadCounts,", "= dict,", ".observe", "AttributeError: 'dict' object has no attribute 'status'"),
+        ('("status",)', '("status", "theta_min")', ".columns", 'Field "theta_min" does not exist'),
+        ('("status",)', "3", ".columns", "TypeError: 'int' object is not iterable"),
+        ("def draw", "def drawn", ".draw", r"a scene offers draw(random, count)"),
+        ("random(count)", "random(3)", ".draw and observe", "3 samples, not 100"),
+        ('"status": 0', '"state": 0', ".observe", "KeyError: 'status'"),
+        ('"status": 0 *', '"status": 99 +', ".observe", "99 is not a valid Status"),
+        ('**drawn, "', '**drawn, "less": drawn["heads"][1:], "', ".observe", "columns of several shapes"),
+        ('return table["heads"]', 'return table["heads"][1:]', ".near", "boolean index did not match"),
+        ("tally.heads +=", "tally.tails +=", ".count", "has no attribute 'tails'"),
+        ("int(table", "1j * (table", ".tally", "complex"),
+        ('{"share": tally.heads / self.samples}', "[1]", ".summarise", "'list' object is not a mapping"),
+        ("tally.heads / self", "tally.heads / 0 / self", ".summarise", "ZeroDivisionError: division by zero"),
     ],
 )
-def test_a_wrong_declaration_is_refused_in_a_sentence(kind, message):
-    with pytest.raises(ex.InputError, match=message):
-        ex.run(kind, samples=10)
+def test_what_is_wrong_in_it_is_told_in_a_sentence_with_its_place(right, wrong, place, message, capsys, tmp_path):
+    file = tmp_path / f"my{abs(hash((right, wrong)))}.py"
+    assert right in RIGHT
+    file.write_text(RIGHT.replace(right, wrong))
+    status, _, err = said(capsys, "run", f"{file}:Coins", "--samples", "100", "--out", tmp_path / "run", "--quiet")
+    assert status in (1, 2)
+    assert len(err.splitlines()) == 1, err
+    assert (f"{file}:Coins{place}: " if place else "") in err
+    assert message in err
 
 
 def test_statuses_and_numbers_of_any_kind_can_be_stored(tmp_path):
@@ -213,33 +226,49 @@ def test_statuses_and_numbers_of_any_kind_can_be_stored(tmp_path):
     assert json.loads((tmp_path / "run" / "summary.json").read_text()) == run.summary
 
 
-def test_sums_of_numpy_are_counts_and_a_scene_that_draws_too_few_is_refused():
+def test_sums_of_numpy_are_counts():
     class Summed(Coins):
         def count(self, tally, table):
             tally.heads += table["heads"].sum()
 
-    class Few(Coins):
-        def draw(self, random, count):
-            return {"heads": random.random(3) < 0.5}
-
     assert ex.run(Summed, samples=100).summary["share"] == ex.run(Coins, samples=100).summary["share"]
-    with pytest.raises(ex.RunError, match="few: `draw` gives 3 values of heads for 100 samples"):
-        ex.run(Few, samples=100)
 
 
-def test_a_table_without_a_status_is_refused_in_a_sentence():
-    class Silent(Coins):
-        def observe(self, drawn):
-            return drawn
-
-    with pytest.raises(ex.RunError, match="silent: `observe` gives no column `status`"):
-        ex.run(Silent, samples=100)
+def test_its_numbers_are_told_with_those_options_that_are_no_defaults():
+    told = ex.run(Coins, samples=100).headline
+    assert "samples: 100" in told
+    assert any(line.startswith("share: 0.") for line in told)
+    assert not [line for line in told if line.startswith(("seed", "keep", "accuracy", "method", "chunk_size"))]
 
 
-def test_columns_of_several_lengths_are_refused_with_their_lengths():
-    class Short(Coins):
-        def observe(self, drawn):
-            return {**super().observe(drawn), "less": drawn["heads"][:-1]}
+def test_without_its_file_a_run_is_read_and_goes_on_where_the_file_is_now(capsys, tmp_path, monkeypatch):
+    file, folder = tmp_path / "own_scene.py", tmp_path / "run"
+    file.write_text(Path(EXAMPLE.removesuffix(":Periods")).read_text())
+    words = ["--samples", "100", "--out", folder, "--no-figures"]
+    assert said(capsys, "run", f"{file}:Periods", *words)[0] == 0
+    summary = ex.open(folder).summary
+    (moved := tmp_path / "elsewhere" / "own_scene.py").parent.mkdir()
+    file.rename(moved)
+    next((folder / "chunks").iterdir()).unlink()
+    for command in ("resume", "summary"):
+        status, _, err = said(capsys, command, folder)
+        assert status == 2
+        assert "there is no file of that name any more; put it back, or" in err
+    assert "nearflat run NEW.py:Periods ... --resume --out DIR" in err
+    monkeypatch.setattr(scenes, "_own", {})
+    sys.modules.pop("own_scene")
+    assert said(capsys, "run", f"{moved}:Periods", *words, "--resume")[0] == 0
+    assert ex.open(folder).summary == summary
+    assert said(capsys, "verify", folder)[0] == 0
 
-    with pytest.raises(ex.RunError, match=r"of several shapes \(heads \(100,\), status \(100,\), less \(99,\)\)"):
-        ex.run(Short, samples=100)
+
+def test_a_summary_by_other_code_says_so(capsys, tmp_path, monkeypatch):
+    file, folder = tmp_path / "own_scene.py", tmp_path / "run"
+    file.write_text(Path(EXAMPLE.removesuffix(":Periods")).read_text())
+    assert said(capsys, "run", f"{file}:Periods", "--samples", "100", "--out", folder, "--no-figures")[0] == 0
+    file.write_text(file.read_text().replace('"mean": mean', '"mean": 2 * mean'))
+    monkeypatch.setattr(scenes, "_own", {})
+    sys.modules.pop("own_scene")
+    status, _, err = said(capsys, "summary", folder)
+    assert status == 0
+    assert f"the summary is by what is here now: {file}:Periods was changed since" in err

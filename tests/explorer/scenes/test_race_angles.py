@@ -11,7 +11,7 @@ from explorer.scenes.race_angles import RaceAngles, RaceCounts
 
 
 def summary_of(**options):
-    scene = RaceAngles(**options)
+    scene = RaceAngles.of(options)
     return scene, scene.summarise(computed(scene))
 
 
@@ -57,7 +57,7 @@ def test_the_coarsest_integrator_knows_every_side_down_to_1e_minus_300(method):
 )
 def test_counts_are_of_all_samples_and_those_of_the_columns(options):
     """Whatever is kept; a chunk is of a block and a part of one."""
-    scenes = {keep: RaceAngles(samples=40_000, keep=keep, **options) for keep in ("none", "all")}
+    scenes = {keep: RaceAngles.of(dict(samples=40_000, keep=keep, **options)) for keep in ("none", "all")}
     (nothing, counts), (table, tally) = (scene.chunk(0) for scene in scenes.values())
     assert counts.state() == tally.state()
     assert {name: values.dtype for name, values in nothing.items()} == {n: v.dtype for n, v in table.items()}
@@ -86,7 +86,7 @@ def made_up(seed, count=500):
 
 def test_races_are_counted_by_decade_and_side_and_those_on_f_in_none():
     table, tally = made_up(3), RaceCounts(status={"ok": 500})
-    scene = RaceAngles(samples=500)
+    scene = RaceAngles.of({"samples": 500})
     scene.count(tally, table)
     found = scene.summarise(tally)
     race, eta_hat = table["race_angle"], table["eta_hat"]
@@ -105,7 +105,9 @@ def test_races_are_counted_by_decade_and_side_and_those_on_f_in_none():
 def test_the_race_angle_follows_its_law():
     """Delta chi - fall angle - kappa pi = 2 m g r eta ln(1/|eta|) / (I1 M A^3) + O(eta)."""
     disk = BODIES["hoop"]
-    scene = RaceAngles(disk="hoop", samples=2000, box="phidot=1,sigma3=1", eta_hat="1e-6:1e-4", accuracy=1e-9)
+    scene = RaceAngles.of(
+        {"disk": "hoop", "samples": 2000, "box": "phidot=1,sigma3=1", "eta_hat": "1e-6:1e-4", "accuracy": 1e-9}
+    )
     table = scene.chunk(0)[0]
     eta = table["eta_hat"] * disk.body.I3 * disk.body.r0
     A = table["impact_speed"]
@@ -165,7 +167,7 @@ def test_several_bounces_have_a_row_each_and_one_bad_row_ends_nothing(wobbling):
 
 
 def test_an_energy_cuts_the_starts_near_f():
-    energy = RaceAngles(samples=1000, energy="1.5:2").chunk(0)[0]["energy"]
+    energy = RaceAngles.of({"samples": 1000, "energy": "1.5:2"}).chunk(0)[0]["energy"]
     assert (energy >= 1.5).all()
     assert (energy <= 2.0).all()
     assert np.ptp(energy) > 0.4

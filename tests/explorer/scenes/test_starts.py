@@ -26,7 +26,7 @@ def rows_of(scene):
 
 @BOTH
 def test_both_scenes_take_states_from_one_source(kind):
-    table = rows_of(kind(states=GIVEN, chunk_size=4, keep="all"))
+    table = rows_of(kind.of({"states": GIVEN, "chunk_size": 4, "keep": "all"}))
     np.testing.assert_array_equal(table["row"], np.arange(7))
     np.testing.assert_array_equal(table["phi"], GIVEN["phi"])
     assert set(table["given_energy"]) == {"mine"}
@@ -39,7 +39,7 @@ def test_a_gaussian_a_density_and_an_energy_draw_the_same_states_in_both_scenes(
         return np.where(sigma4 > 0.0, 1.0, 0.0)
 
     options = {"box": "phi=-1:1", "gaussian": "sigma3=0.5:0.01", "density": density, "energy": ":3"}
-    scene = kind(samples=2000, keep="all", **options)
+    scene = kind.of(dict(samples=2000, keep="all", **options))
     table = rows_of(scene)
     assert abs(table["sigma3"].mean() - 0.5) < 0.001
     assert table["sigma3"].std() == pytest.approx(0.01, rel=0.1)
@@ -56,13 +56,13 @@ CLOUD = {"box": "tilt=10:60,tilt_rate=-20:20,precession=-90:90,spin=30", "degree
 
 @BOTH
 def test_a_box_in_tilt_precession_and_spin_is_what_a_table_of_such_states_is(kind):
-    scene = kind(samples=3000, keep="all", **CLOUD)
+    scene = kind.of(dict(samples=3000, keep="all", **CLOUD))
     table = rows_of(scene)
     for name, low, high in (("tilt", 10, 60), ("tilt_rate", -20, 20), ("precession", -90, 90)):
         assert kstest(np.degrees(table[name]), "uniform", args=(low, high - low)).pvalue > 1e-4
     np.testing.assert_allclose(np.degrees(table["spin"]), 30.0)
     given = {name: np.degrees(table[name]) for name in ("tilt", "tilt_rate", "precession", "spin")}
-    again = rows_of(kind(states=given, degrees=True, keep="all"))
+    again = rows_of(kind.of({"states": given, "degrees": True, "keep": "all"}))
     for name in ("phi", "phidot", "sigma3", "sigma4", "theta_min", "energy"):
         np.testing.assert_allclose(table[name], again[name], rtol=1e-6, atol=1e-12)
 
@@ -72,13 +72,13 @@ def test_a_record_of_a_box_in_degrees_draws_the_same_states_again(kind):
     def steep(tilt, precession, spin):
         return np.where(tilt > np.radians(20), 1.0, 0.0)
 
-    scene = kind(samples=500, keep="all", gaussian="tilt=40:5,precession=0:10", energy=":1", **CLOUD)
+    scene = kind.of(dict(samples=500, keep="all", gaussian="tilt=40:5,precession=0:10", energy=":1", **CLOUD))
     table, again = rows_of(scene), rows_of(scene_of(json.loads(json.dumps(scene.options))))
     np.testing.assert_array_equal(table["tilt"], again["tilt"])
     assert abs(np.degrees(table["tilt"]).mean() - 40) < 2
     assert table["energy"].max() <= 1
     at_rest = {"box": "tilt=10:60,precession=-90:90,spin=30", "degrees": True, "density": steep}
-    assert np.degrees(rows_of(kind(samples=500, keep="all", **at_rest))["tilt"]).min() > 20
+    assert np.degrees(rows_of(kind.of({"samples": 500, "keep": "all", **at_rest}))["tilt"]).min() > 20
 
 
 def test_ranges_of_a_box_are_those_that_probability_takes():
@@ -102,9 +102,9 @@ def test_an_energy_cut_changes_which_states_are_drawn_and_nothing_else():
 
 def test_states_bring_their_disk():
     states = ex.phi_to_states(ex.Disk.hoop(), 0.2, 0.3, 0.4, [0.5, 0.6])
-    assert RaceAngles(states=states).disk == ex.Disk.hoop()
+    assert RaceAngles.of({"states": states}).disk == ex.Disk.hoop()
     with pytest.raises(ex.InputError, match="made for the disk 'hoop', used with 'uniform'"):
-        RaceAngles(states=states, disk="uniform")
+        RaceAngles.of({"states": states, "disk": "uniform"})
 
 
 def test_a_record_says_that_its_states_were_given_in_python():
@@ -135,7 +135,7 @@ def test_a_record_says_that_its_states_were_given_in_python():
 )
 def test_what_does_not_go_together_is_refused(kind, options, message):
     with pytest.raises(ex.InputError, match=message):
-        kind(**options)
+        kind.of(options)
 
 
 def test_rows_of_a_csv_file_that_are_no_states_are_lines_as_an_editor_counts_them(tmp_path):
@@ -174,7 +174,7 @@ def test_what_has_no_tilt_says_where_to_ask():
     with pytest.raises(ex.InputError, match="probability takes distributions of other"):
         ex.run("measure-zero", **CLOUD)
     with pytest.raises(ex.InputError, match="degrees: is for start anywhere"):
-        RaceAngles(degrees=True)
+        RaceAngles.of({"degrees": True})
 
 
 def test_starts_near_f_lie_in_the_box_and_on_both_faces_alike(body):
@@ -225,18 +225,18 @@ def test_a_default_that_is_said_changes_nothing_about_where_motions_start():
         ({"start": "near", "states": GIVEN}, "states: is for start anywhere"),
         ({"start": "near", "box": {"sigma4": 0.0}}, "box sigma4"),
         ({"start": "anywhere", "eta_hat": "1e-3:1e-2"}, "eta_hat: is for start near"),
-        ({"bounces": 2}, "bounces 2: .* give start anywhere"),
+        ({"bounces": 2}, "bounces: is for start anywhere"),
     ],
 )
 def test_what_belongs_to_the_other_start_is_refused(options, message):
     with pytest.raises(ex.InputError, match=message):
-        RaceAngles(**options)
+        RaceAngles.of(options)
 
 
 @pytest.mark.parametrize("options", [{"start": "anywhere"}, {"states": GIVEN}, {"box": {"sigma4": 0.0}}])
 def test_race_angles_are_of_bounces_where_states_may_be_anywhere(options):
-    assert RaceAngles(**options).start == "anywhere"
+    assert RaceAngles.of(options).start == "anywhere"
     with pytest.raises(ex.InputError, match="leave one of them out"):
-        RaceAngles(**options, eta_hat="1e-3:1e-2")
-    exact, found = (rows_of(RaceAngles(**{"samples": 7} | options, method=by)) for by in ("auto", "rk4"))
+        RaceAngles.of(dict(**options, eta_hat="1e-3:1e-2"))
+    exact, found = (rows_of(RaceAngles.of(dict(**{"samples": 7} | options, method=by))) for by in ("auto", "rk4"))
     np.testing.assert_allclose(found["delta_chi"], exact["delta_chi"], atol=1e-5)
