@@ -9,7 +9,7 @@
 Names are loaded on first use, so that importing this package is cheap.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from explorer.lazy import make_lazy
 
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from explorer.commands.calls import run as run
     from explorer.commands.calls import trade as trade
     from explorer.commands.cite import cite as cite
-    from explorer.compiled import status as _status
     from explorer.errors import CoarseTimesWarning as CoarseTimesWarning
     from explorer.errors import InputError as InputError
     from explorer.errors import Interrupted as Interrupted
@@ -51,6 +50,7 @@ if TYPE_CHECKING:
     from explorer.phase.disk import Disk as Disk
     from explorer.phase.falling_set import falls as falls
     from explorer.phase.potential import potential as potential
+    from explorer.phase.results import Status as Status
     from explorer.phase.states import States as States
     from explorer.phase.states import StateWarning as StateWarning
     from explorer.phase.states import constants_to_states as constants_to_states
@@ -64,22 +64,7 @@ if TYPE_CHECKING:
     from explorer.runs.run import Run as Run
     from explorer.runs.run import open as open
     from explorer.scenes.scene import register as register
+    from explorer.version import __version__ as __version__
     from explorer.view.page import view as view
 
-    Status = _status.Status
-    __version__: str
-
-
-def _made_status() -> Any:
-    from explorer import compiled
-
-    return compiled.status.Status
-
-
-def _made_version() -> str:
-    from explorer.version import installed_version
-
-    return installed_version() or "0+unknown"
-
-
-__all__ = make_lazy(__name__, Status=_made_status, __version__=_made_version)
+__all__ = make_lazy(__name__)

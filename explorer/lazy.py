@@ -9,17 +9,14 @@ from types import ModuleType
 from typing import Any
 
 
-def make_lazy(name: str, **made: Callable[[], Any]) -> list[str]:
-    """Load the names that package `name` imports under `if TYPE_CHECKING` when they are asked for.
-
-    made: names that are made instead. Returns the package's `__all__`.
-    """
+def make_lazy(name: str) -> list[str]:
+    """Load names that package `name` imports under `if TYPE_CHECKING` when asked for. Returns its `__all__`."""
     package = sys.modules[name]
     assert package.__file__ is not None
     homes = _homes_in(Path(package.__file__))
-    vars(package).update(_homes=homes, _made=made)
+    vars(package).update(_homes=homes)
     package.__class__ = _Package
-    return sorted(each for each in {*homes, *made} if not each.startswith("_"))
+    return sorted(each for each in homes if not each.startswith("_"))
 
 
 def _homes_in(path: Path) -> dict[str, str]:
@@ -41,13 +38,10 @@ class _Package(ModuleType):
     """
 
     _homes: dict[str, str]
-    _made: dict[str, Callable[[], Any]]
 
     def __getattr__(self, name: str) -> Any:
         own = vars(self)
-        if name in own["_made"]:
-            value = own["_made"][name]()
-        elif name in own["_homes"]:
+        if name in own["_homes"]:
             home = own["_homes"][name]
             of_its_own = home == self.__name__
             value = import_module(f"{home}.{name}") if of_its_own else getattr(import_module(home), name)
@@ -63,7 +57,7 @@ class _Package(ModuleType):
 
     def __dir__(self) -> list[str]:
         """The public names, without files and folders."""
-        return [*vars(self)["_homes"], *vars(self)["_made"]]
+        return list(vars(self)["_homes"])
 
     def __reduce__(self) -> tuple[Callable[[str], ModuleType], tuple[str]]:
         """Packed by its name, like any module, for code of a user that travels to other processes."""

@@ -1,6 +1,10 @@
 """Which version of a package is installed."""
 
 from functools import cache
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    __version__: str
 
 
 @cache
@@ -12,3 +16,10 @@ def installed_version(name: str = "nearflat") -> str | None:
         return version(name)
     except PackageNotFoundError:
         return None
+
+
+def __getattr__(name: str) -> str:
+    """The version of this package, which takes a while to find."""
+    if name != "__version__":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return installed_version() or "0+unknown"

@@ -23,13 +23,12 @@ from explorer.phase.states import Array
 # The measured 99th percentile may take half of the accuracy asked: other bodies, boxes and energies err more than
 # those measured, and a motion that may err by more than was asked is followed again.
 SAFETY = 2.0
-# Steps in units of 1/speed and tolerances at which methods are measured, from coarse to fine. Between two of them
-# errors go like a power of the setting, to a factor of 1.5.
+# Steps in units of 1/speed and tolerances at which methods are measured, from coarse to fine.
 SETTINGS: dict[str, tuple[float, ...]] = {
     "rk4": (0.25, 0.05, 0.02, 0.002),
-    "rk8": (1.6, 0.8, 0.5, 0.16, 0.08),
-    "dopri5": tuple(10.0 ** -np.arange(3.5, 12.0, 2.0)),
-    "dop853": (1e-2, *(10.0 ** -np.arange(3.0, 14.0, 2.0))),
+    "rk8": (1.6, 1.2, 0.8, 0.5, 0.16, 0.08),
+    "dopri5": tuple(10.0 ** -np.arange(3.5, 11.6)),
+    "dop853": tuple(10.0 ** -np.arange(2.0, 13.1)),
 }
 
 

@@ -23,8 +23,9 @@ from explorer.phase.states import Array
 # Some thousand passages at the finest settings; only a start beside an equilibrium needs more.
 MAX_STEPS = 2_000_000
 # Finer steps are to err by a third of what is asked, and by a third of what the ones before did or less. Those to
-# be compared err by a thirtieth: between tolerances that are ten times apart errors may hardly change.
-_THIRD, _LEAST, _COMPARED = 0.3, 1e-4, 0.03
+# be compared err by a tenth; errors of adaptive methods may hardly change between two tolerances that are ten
+# times apart, so these are thirty.
+_THIRD, _LEAST, _FIXED, _ADAPTIVE = 0.3, 1e-4, 0.1, 0.03
 _RUNS = 8  # finer ones at most, each slower than the one before
 
 
@@ -123,7 +124,7 @@ def follow_accurately(
             if not rows.size:
                 break
             by_accuracy = np.clip(_THIRD * asked / error[rows], _LEAST, _THIRD)
-            less = np.where(np.isfinite(error[rows]), by_accuracy, _COMPARED)
+            less = np.where(np.isfinite(error[rows]), by_accuracy, _ADAPTIVE if given.plan.adaptive else _FIXED)
             finer = given._replace(control=control).at(rows).finer(less)
             # What has no finer steps is compared with a run by coarser ones, and stays.
             finest[rows] = finer.control >= control[rows]

@@ -95,10 +95,10 @@ class Plan:
 
         What is held cannot be lost, so the setting does not depend on the distance from F.
         """
-        calibrated = (
-            calibration.current().curves[self.method].at(self.accuracy) if self.setting is None else self.setting
-        )
-        return float(self.at_least(calibrated))
+        setting: Any = self.setting
+        if setting is None:
+            setting = calibration.current().curves[self.method].at(self.accuracy)
+        return float(self.at_least(setting))
 
     def at_least(self, setting: Any) -> Any:
         """A step, or a tolerance that rounding does not refuse."""

@@ -109,7 +109,7 @@ class Records(NamedTuple):
         """The curves of some motions."""
         each = [np.arange(self.first[row], self.first[row + 1]) for row in rows]
         first = np.append(0, np.cumsum(self.lengths[rows]))
-        return Records(self.points[:, np.concatenate([*each, np.arange(0)])], first)
+        return Records(np.ascontiguousarray(self.points[:, np.concatenate([*each, np.arange(0)])]), first)
 
     def padded(self, values: Array) -> Array:
         """(n, longest, ...): values of all points, the last of each motion repeated; NaN where it is not OK."""

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from explorer.phase.states import States
 
+Status = compiled.status.Status
 _SHOWN = 6  # columns whose medians the description gives: what fits on a screen beside code
 _COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
 _SIDED = ("race_angle", "delta_chi", "delta_psi")  # whose medians are told for each side of F
@@ -166,7 +167,7 @@ class Result(Table):
     @property
     def ok(self) -> NDArray[np.bool_]:
         """Where the sample was computed to the accuracy asked."""
-        return np.asarray(self.status == compiled.status.Status.OK)
+        return np.asarray(self.status == Status.OK)
 
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
@@ -220,7 +221,7 @@ class Result(Table):
         numbers = super()._lines()
         of = f" (numbers below: of the {counts['ok']:,} ok)" if numbers and len(counts) > 1 else ""
         said = ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "no samples"
-        remedies = [(name, compiled.status.Status[name.upper()].remedy) for name in counts if name != "ok"]
+        remedies = [(name, Status.__members__[name.upper()].remedy) for name in counts if name != "ok"]
         return [("status", said + of), *remedies, *numbers]
 
 
@@ -247,7 +248,7 @@ def _spread(values: NDArray[Any]) -> str:
 
 @cache
 def _names() -> list[str]:
-    return [code.name.lower() for code in compiled.status.Status]
+    return [code.name.lower() for code in Status]
 
 
 def status_names(codes: NDArray[Any]) -> NDArray[np.str_]:
