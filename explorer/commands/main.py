@@ -47,32 +47,40 @@ _RARE = "--event theta_min:1e-6 --tilt norm:60:5 --precession norm:0:30 --spin=-
 _VIEW = "--disk hoop --eta-hat -1e-12 --out page.html --open"
 _STORED = "results/race-angles-uniform-0"
 COMMANDS = {
-    "demo": Command("demo", "Run the main job small: map F, compare the limits, count the races.", "--jobs 2"),
-    "run": Command("run", "Run a scene on many initial states; store samples, summary and figures.", _RUN),
+    "demo": Command(
+        "demo",
+        "Run a small version of the main job: map the falling set, compare its two sides, count races.",
+        "--jobs 2",
+    ),
+    "run": Command(
+        "run", "Run a scene, ours or your own, on many states; store samples, summary and figures.", _RUN
+    ),
     "status": Command("runs", "Say how far a stored run has got.", _STORED),
     "verify": Command("runs", "Check every chunk of a stored run; exit status 1 if one is damaged.", _STORED),
     "resume": Command("runs", "Continue a stored run: compute what is missing or damaged, nothing else.", _STORED),
     "summary": Command("runs", "Recompute the summary of a stored run from its chunks.", _STORED),
-    "merge": Command(
-        "runs", "Add up runs of one question with different seeds.", "results/races-1 results/races-2"
-    ),
+    "merge": Command("runs", "Add up runs that differ only in their seed.", "results/races-1 results/races-2"),
     "passage": Command("passage", "Compute one passage near flat: race angle, times, limits, forces.", _PASSAGE),
     "probability": Command(
         "probability",
-        "Say how probable it is to come flatter than a tilt, for initial states with a distribution.",
+        "Compute the probability that the tilt falls below a given value, for random initial states.",
         _RARE,
     ),
     "plan": Command("plan", "Show which method a run would use and why, and what the run would cost.", _PLAN),
-    "columns": Command("columns", "Explain every column of results and every status.", "race-angles"),
+    "columns": Command(
+        "columns", "Explain every column of the results, and every status of a sample.", "race-angles"
+    ),
     "trade": Command("trade", "Measure error and cost of every method on a scene's samples.", _TRADE),
     "paper": Command(
         "paper", "Check the paper's statements, draw its figures; status 1 if one fails.", "--only LEMMA-5"
     ),
     "portrait": Command("portrait", "Draw F, phase portraits, slices, races, paths and a film.", "--disk hoop"),
-    "view": Command("view", "Write one page: an article on what the disk does, and a laboratory of it.", _VIEW),
-    "gallery": Command("gallery", "Write the page of a folder of results, with every command.", "results"),
+    "view": Command("view", "Write a web page: an article on what the disk does, and controls to try it.", _VIEW),
+    "gallery": Command(
+        "gallery", "Write README.md of a folder of results: every picture with its caption and command.", "results"
+    ),
     "completion": Command(
-        "completion", "Print what a shell needs to complete: source <(nearflat completion).", ""
+        "completion", "Print completions for bash and zsh; to use them: source <(nearflat completion).", ""
     ),
     "cite": Command("cite", "Print BibTeX of this software and of the paper.", ""),
     "warmup": Command("warmup", "Compile all kernels into the cache.", ""),

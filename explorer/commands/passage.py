@@ -39,7 +39,9 @@ class Start(Options):
     face: int = option(Reader(sign, "X", "int | str"), "flat state, 1 or -1", default=1)
     accuracy: float = option(NUMBER._replace(metavar="TOL"), "as for run", default=1e-6)
     method: str = option(word_of(*METHODS), "as for run", default="auto")
-    window: float | None = option(NUMBER._replace(metavar="Q"), "cos phi at which to start and to stop, 0 to 1")
+    window: float | None = option(
+        NUMBER._replace(metavar="Q"), "start and stop the passage at this cos phi: 1 is upright, 0 is flat"
+    )
 
 
 def passage_report(start: Start) -> dict[str, Any]:

@@ -8,48 +8,44 @@ from explorer.commands import Answer
 from explorer.errors import note
 from explorer.measure.importance_sampling import KERNELS
 from explorer.measure.probability import probability, read_delta
-from explorer.phase.disk import Disk
+from explorer.phase.disk import SYNTAX, Disk
 from explorer.scenes.options import DISK, NUMBER, TRUTH, Options, Reader, option, plain, whole_from
 
 _VALUE = Reader(lambda name, value: value, "VALUE", "object")
 
 
-def _coordinate(text: str) -> str | None:
-    """An option that is a distribution, a range or a number."""
-    found: str | None = option(_VALUE, text)
-    return found
-
-
 class Coordinates(Options):
     """Initial states: VALUE is a number, LOW:HIGH, or a distribution of SciPy such as norm:MEAN:DEVIATION."""
 
-    tilt: str | None = _coordinate("tilt from flat; with --precession and --spin")
-    tilt_rate: str | None = _coordinate("rate of the tilt (default 0)")
-    precession: str | None = _coordinate("rate at which the contact point turns about the vertical")
-    spin: str | None = _coordinate("angular velocity about the disk's own axis")
-    phi: str | None = _coordinate("tilt from the vertical; with --phidot, --sigma3 and --sigma4")
-    phidot: str | None = _coordinate("rate of phi")
-    sigma3: str | None = _coordinate("sigma3 of eq. (2.14)")
-    sigma4: str | None = _coordinate("spin sigma4 of eq. (2.14)")
-    energy: str | None = _coordinate("energy, instead of phidot")
-    sigma3_bar: str | None = _coordinate("constant of motion, in the place of sigma3")
-    sigma4_bar: str | None = _coordinate("constant of motion, in the place of sigma4")
-    eta_hat: str | None = _coordinate("distance beside the falling set, in the place of sigma4")
-    face: str | None = _coordinate("the face, 1 or -1, to which tilt or eta_hat refers (default 1)")
+    tilt: str | None = option(_VALUE, "tilt from flat; with --precession and --spin")
+    tilt_rate: str | None = option(_VALUE, "rate of the tilt (default 0)")
+    precession: str | None = option(_VALUE, "rate at which the contact point turns about the vertical")
+    spin: str | None = option(_VALUE, "angular velocity about the disk's own axis")
+    phi: str | None = option(_VALUE, "tilt from the vertical; with --phidot, --sigma3 and --sigma4")
+    phidot: str | None = option(_VALUE, "rate of phi")
+    sigma3: str | None = option(_VALUE, "sigma3 of eq. (2.14)")
+    sigma4: str | None = option(_VALUE, "spin sigma4 of eq. (2.14)")
+    energy: str | None = option(_VALUE, "energy, instead of phidot")
+    sigma3_bar: str | None = option(_VALUE, "constant of motion, in the place of sigma3")
+    sigma4_bar: str | None = option(_VALUE, "constant of motion, in the place of sigma4")
+    eta_hat: str | None = option(_VALUE, "distance beside the falling set, in the place of sigma4")
+    face: str | None = option(_VALUE, "the face, 1 or -1, to which tilt or eta_hat refers (default 1)")
     degrees: bool = option(TRUTH, "angles and rates are in degrees", default=False)
 
 
 class Question(Coordinates):
     """The event, and how it is computed."""
 
-    disk: Disk = option(DISK, "as for run", default=Disk.uniform())
+    disk: Disk = option(DISK, f"disk: {SYNTAX}", default=Disk.uniform())
     event: tuple[str, float] = option(
         Reader(lambda name, value: ("theta_min", read_delta(name, value)), "theta_min:DELTA", "str"),
         "the event: the tilt becomes smaller than DELTA (rad)",
         default="theta_min:1e-3",
         words="theta_min:1e-3",
     )
-    count: int = option(whole_from(1), "number of bounces to look at; two give all values of theta_min", default=1)
+    count: int = option(
+        whole_from(1), "number of approaches to flat to follow; two show all smallest tilts", default=1
+    )
     samples: int = option(
         whole_from(10),
         "plain draws; an eighth as many, and 4,096 at least, beside the falling set at each face",

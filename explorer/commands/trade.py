@@ -32,7 +32,7 @@ class Trading(Options):
     """What is measured beside the samples of the scene."""
 
     motions: int = option(
-        whole_from(0), "motions in time, from the first samples, that are measured too; 0: none", default=MOTIONS
+        whole_from(0), "also measure motions in time, from the first so many samples; 0: none", default=MOTIONS
     )
     t_end: float | None = option(
         Reader(positive, "T", "float | str"),
@@ -178,7 +178,11 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
     Trading.add_to(command)
     (scene_class(PLAIN) if kind is Scene else kind).add_to(command)
     command.add_argument("--out", metavar="DIR", help="folder (default results/trade, or results/trade-SCENE)")
-    command.add_argument("--no-store", action="store_true", help="do not keep the result for this machine")
+    command.add_argument(
+        "--no-store",
+        action="store_true",
+        help="do not store the measured costs, which later runs on this machine would use",
+    )
 
 
 def call(options: argparse.Namespace) -> Answer:

@@ -29,38 +29,36 @@ _TAIL = 10.0 ** -np.geomspace(2, 300, 25)
 class Coordinate:
     """One coordinate. Values are in rad and the units of the disk; unit: what one of the user's is of these.
 
-    law: a frozen distribution of scipy.stats, of the user's values; None where it is a number, `value`.
+    law: a frozen distribution of scipy.stats, of the user's values; None where it is a number, `value`. words:
+    what the user gave.
     """
 
     name: str
     law: Any
     value: float
     unit: float
+    words: str
 
     @classmethod
     def of(cls, name: str, given: Any, unit: float) -> "Coordinate":
         """From a distribution, a range, a number, or text such as "norm:20:2". Raises InputError."""
-        if hasattr(given, "pmf"):
-            raise InputError(f"{name} = {shown(given)} is discrete; give a continuous distribution")
         if all(hasattr(given, word) for word in _OF_FROZEN) and not hasattr(given, "freeze"):
-            return cls(name, given, math.nan, unit)
-        if isinstance(given, str) and given[:1].isalpha() and double_of(given) is None:
-            return cls(name, _by_name(name, given), math.nan, unit)
+            return cls(name, given, math.nan, unit, f"~ {_in_words(given)}")
         alone = double_of(given)
+        if isinstance(given, str) and given[:1].isalpha() and alone is None:
+            return cls(name, _by_name(name, given), math.nan, unit, f"~ {given}")
         try:
-            low, high = (alone, alone) if alone is not None else read_range(name, given)
+            low, high = read_range(name, given if alone is None else (alone, alone))
         except InputError:
             raise InputError(
-                f"{name} = {shown(given)}: give a frozen distribution such as scipy.stats.norm(20, 2), a range "
-                "(low, high), or a number"
+                f"{name} = {shown(given)}: give a number, a range (low, high) or LOW:HIGH, or a continuous frozen "
+                "distribution, scipy.stats.norm(20, 2) or norm:20:2"
             ) from None
-        if not math.isfinite(low + high):
-            raise InputError(f"{name} = {shown(given)} is not finite; give numbers")
         if low == high:
-            return cls(name, None, low * unit, unit)
+            return cls(name, None, low * unit, unit, f"= {low:g}")
         from scipy.stats import uniform
 
-        return cls(name, uniform(low, high - low), math.nan, unit)
+        return cls(name, uniform(low, high - low), math.nan, unit, f"= {low:g}:{high:g}")
 
     @property
     def free(self) -> bool:
@@ -94,17 +92,14 @@ class Coordinate:
         return found
 
     def __str__(self) -> str:
-        said = self._law_in_words() if self.free else f"{self.name} = {self.value / self.unit:g}"
-        return said if self.unit == 1.0 else f"{said} in degrees"
+        return f"{self.name} {self.words}" + ("" if self.unit == 1.0 else " in degrees")
 
-    def _law_in_words(self) -> str:
-        name = getattr(getattr(self.law, "dist", None), "name", type(self.law).__name__)
-        if name == "uniform":
-            low, high = self.law.support()
-            return f"{self.name} = {low:g}:{high:g}"
-        given = [*getattr(self.law, "args", ()), *getattr(self.law, "kwds", {}).items()]
-        words = ", ".join(f"{each[0]}={each[1]}" if isinstance(each, tuple) else f"{each:g}" for each in given)
-        return f"{self.name} ~ {name}({words})"
+
+def _in_words(law: Any) -> str:
+    """The name and the parameters of a frozen distribution."""
+    name = getattr(getattr(law, "dist", None), "name", type(law).__name__)
+    named = [f"{word}={value}" for word, value in getattr(law, "kwds", {}).items()]
+    return f"{name}({', '.join([*map(str, getattr(law, 'args', ())), *named])})"
 
 
 def _by_name(name: str, text: str) -> Any:
@@ -120,7 +115,7 @@ def _by_name(name: str, text: str) -> Any:
         law = getattr(stats, word)(*numbers)
     except TypeError as error:
         raise InputError(f"{name} {text}: {error}; write for instance norm:MEAN:DEVIATION") from None
-    if None in numbers or not np.isfinite(law.median()):
+    if not parts or None in numbers or not np.isfinite(law.median()):
         raise InputError(f"{name} {text}: not the parameters of {word}; write for instance norm:MEAN:DEVIATION")
     return law
 

@@ -105,23 +105,18 @@ def _cut_at_crests(
 ) -> tuple[Array, NDArray[np.intp]]:
     """Arcs, and which motion each belongs to, without slow places between their ends."""
     rows = np.flatnonzero((crest > 0.0) & (crest < arcs[2]))
-    return _cut(disk, arcs, owner, rows, crest[rows], True) if rows.size else (arcs, owner)
+    return _cut(disk, arcs, owner, rows, crest[rows], True)
 
 
 def _cut_at_ends(disk: Disk, arcs: Array, owner: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
     """The same, where those with a slow end are short and go on at the other one, and none is very long."""
-    arc = compiled.rules.Arcs(*arcs)
-    slow, otherwise = np.isfinite(arc.slow_out), (arc.L > PIECE) | (arc.K_in == 0.0) | np.isfinite(arc.slow_in)
-    rows = np.flatnonzero((slow & otherwise) | (arc.L > _LONG))
-    if rows.size:
-        piece = np.where(slow[rows], PIECE, _LAYER)
-        arcs, owner = _cut(disk, arcs, owner, rows, np.fmin(piece, 0.5 * arc.L[rows]), False)
+    for outside in (True, False):
         arc = compiled.rules.Arcs(*arcs)
-    slow, otherwise = np.isfinite(arc.slow_in), (arc.L > PIECE) | (arc.K_out == 0.0)
-    rows = np.flatnonzero((slow & otherwise) | (arc.L > _LONG))
-    if rows.size:
-        L, piece = arc.L[rows], np.where(slow[rows], PIECE, _LAYER)
-        arcs, owner = _cut(disk, arcs, owner, rows, L - np.fmin(piece, 0.5 * L), False)
+        slow, far = np.isfinite(arc.slow_out if outside else arc.slow_in), arc.K_in if outside else arc.K_out
+        otherwise = (arc.L > PIECE) | (far == 0.0) | (outside & np.isfinite(arc.slow_in))
+        rows = np.flatnonzero((slow & otherwise) | (arc.L > _LONG))
+        d = np.fmin(np.where(slow[rows], PIECE, _LAYER), 0.5 * arc.L[rows])
+        arcs, owner = _cut(disk, arcs, owner, rows, d if outside else arc.L[rows] - d, False)
     return arcs, owner
 
 
@@ -129,6 +124,8 @@ def _cut(
     disk: Disk, arcs: Array, owner: NDArray[np.intp], rows: NDArray[np.intp], d: Array, slow: bool
 ) -> tuple[Array, NDArray[np.intp]]:
     """Cut some arcs at distances d from their outer ends; slow: whether the motion is, where they are cut."""
+    if not rows.size:
+        return arcs, owner
     arc = compiled.rules.Arcs(*arcs.take(rows, 1))
     inner = compiled.turning_points.Starts(*arc[:2], arc.K_in, *arc[3:7])
     outer = compiled.turning_points.Starts(*arc[:2], arc.K_out, *arc[10:14])

@@ -1,6 +1,5 @@
 """The motions on both sides of a point of F, beside the two limit motions that they approach."""
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -9,12 +8,19 @@ from numpy.typing import ArrayLike
 
 from explorer import compiled
 from explorer.errors import InputError, positive, sign
-from explorer.motion.limit_motions import LimitMotion, LimitState, limit_motion, misses_f, warn_of_move
+from explorer.motion.limit_motions import (
+    LimitMotion,
+    LimitState,
+    limit_beside,
+    limit_motion,
+    misses_f,
+    warn_of_move,
+)
 from explorer.motion.trajectories import trajectories
 from explorer.phase.constants import constants
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array, States, StateWarning, constants_to_states, require_states
+from explorer.phase.states import Array, States, constants_to_states, require_states
 
 FALLS = 3  # impacts that each motion passes
 TIMES = 240  # at which distances are taken: some 80 to a period
@@ -149,13 +155,12 @@ def both_sides(state: States, eta_hat: float | None = None, t_end: float | None 
     True
     """
     size = 0.01 * require_states(state).disk.rate_unit if eta_hat is None else positive("eta_hat", eta_hat)
-    with warnings.catch_warnings(action="ignore", category=StateWarning):
-        given = limit_motion(state)
+    given = limit_beside(state)
     if misses_f(given):
         warn_of_move(given, 3)
     beside = _at_distances(state, given.face, [0.0, size, -size])
     start = beside[0] if misses_f(given) else state
-    limits = {side: limit_motion(start, side) for side in (1, -1)}
+    limits = {side: limit_beside(start, side) for side in (1, -1)}
     limit = limits[1]
     end = limit.impacts(3.0 * limit.period)[1] + 0.6 * limit.period if t_end is None else positive("t_end", t_end)
     motion = trajectories(beside[1:], float(end), observables=QUANTITIES)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +13,10 @@ from explorer.errors import InputError, jobs_of, whole
 from explorer.motion.arcs import allowed
 from explorer.motion.falls import KERNELS, departures_of_moving, fall_integrals
 from explorer.motion.orbits import KERNELS as OF_ENDS
-from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of, tilt_errors
-from explorer.motion.orbits_by_integration import integrated_orbits
+from explorer.motion.orbits import Ends, tilt_errors
+from explorer.motion.periods import arcs_of, of_motions
 from explorer.motion.plan import Plan, plan
-from explorer.motion.starts import ArcStarts, arc_starts_of, face_of, status_of_period
-from explorer.motion.threads import BLOCK, in_parts
+from explorer.motion.starts import ArcStarts, face_of
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import impact_speed
 from explorer.phase.lines import line_chart
@@ -58,7 +57,8 @@ class Bounces(Result):
         Duration of the passage, bounce or window.
     error_estimate : array
         Of the angles (rad), of the duration and of theta_min (relative) and of the time to the flattest moment
-        (relative, or in periods of the motion where it is shorter than one), whichever is largest.
+        (relative, or in periods of the motion where it is shorter than one; in a swing by a small share of the
+        tilt that share of it, by which the tilt at this time is wrong), whichever is largest.
     status : array of int8
         `Status` of each state.
     states : States
@@ -151,10 +151,10 @@ def bounces(
         raise InputError(f"count = {count} for {len(states):,} states; give up to {_MOST_ROWS:,} bounces at once")
     how = plan(("race_angle",), accuracy, method)
 
-    def some(rows: NDArray[np.intp]) -> _Pairs:
-        return _pairs(states.at(rows), how, count == 1)
-
-    return _in_turn(states, _joined(in_parts(jobs, len(states), some, BLOCK)), count)
+    found = of_motions(states, jobs, lambda some: _bounces(some, count, how))
+    rows = np.arange(len(states))[:, None] + 0 * found.bounce
+    numbers = np.arange(count) + 0 * found.bounce
+    return replace(found, row=rows, bounce=numbers, states=states).reshaped((*states.shape, count))
 
 
 def motion_constants(found: Bounces) -> dict[str, NDArray[Any]]:
@@ -188,102 +188,57 @@ def bounce_kernels(how: Plan) -> tuple[str, ...]:
     return "algebra.constants_batch", "falling.line_chart_batch", *OF_ENDS, *own, *KERNELS
 
 
-class _Pairs(NamedTuple):
-    """The bounces of one period, in natural units: (2, n) for the even and the odd ones, (n) for what both share.
-
-    (1, n) where the first one is all that was asked for. first: time to bounce 0; first_error: of it, in periods;
-    between: time from each bounce to the next.
-    """
-
-    face: NDArray[np.int8]
-    side: NDArray[np.int8]
-    theta_min: Array
-    chi: Array
-    psi: Array
-    duration: Array
-    error: Array
-    first: Array
-    first_error: Array
-    between: Array
-    period: Array
-    fall_angle: Array
-    status: NDArray[np.int8]
-
-
-def _joined(parts: list[_Pairs]) -> _Pairs:
-    return _Pairs(*(np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)))
-
-
-def _pairs(states: States, how: Plan, first_only: bool) -> _Pairs:
-    """first_only: nothing is asked but the first one; the other passage of a motion may stay unknown then."""
-    disk, code, accuracy = states.disk, compiled.status.Status, how.accuracy
-    own, status = face_of(states), status_of_period(states)
-    motions = arc_starts_of(states, own)
-    rows, n = np.flatnonzero(status == code.OK), status.size
-    some = motions.at(rows)
-    ends = ends_of(disk, some)
-    rises = own[rows] * states.rows.p[rows] > 0.0
-    fall = _falls(disk, some, ends, accuracy)
-    if how.method == "quadrature":
-        orbits = orbits_of(disk, some, ends, accuracy, rises | (not first_only), True)
-    else:
-        ends, orbits = integrated_orbits(states.at(rows), own[rows], ends, how)
-    pairs = _pairs_of(some, rises, own[rows], ends, orbits, fall, first_only)
-    known = (np.isfinite(pairs.duration) & (pairs.error <= allowed(accuracy, pairs.chi, pairs.psi))).all(axis=0)
-    status[rows[~known]] = code.STEP_LIMIT
-
-    def of_all(found: NDArray[Any]) -> NDArray[Any]:
-        out = np.full((*found.shape[:-1], n), np.nan if found.dtype == np.float64 else 0, found.dtype)
-        out[..., rows[known]] = found[..., known]
-        return out
-
-    return _Pairs(*(of_all(column) for column in pairs))._replace(status=status)
-
-
 @np.errstate(invalid="ignore", divide="ignore")  # of motions that were not found
-def _pairs_of(
-    motions: ArcStarts,
-    rises: NDArray[np.bool_],
-    own: Array,
-    ends: Ends,
-    orbits: Orbits,
-    fall: compiled.passages.FallRow[Array],
-    first_only: bool,
-) -> _Pairs:
-    """The same from the arcs of motions; rises: whether they move away from the face `own` of their state."""
-    crosses, (here, there, lead) = ends.crosses, orbits
-    first_here = ~(rises & crosses)
-    turns = np.stack([first_here, *([] if first_only else [~first_here | ~crosses])])
+def _bounces(states: States, count: int, how: Plan) -> Bounces:
+    """The first `count` bounces of motions that have a period, those on one and on the other face in turn."""
+    disk, own, code = states.disk, face_of(states), compiled.status.Status
+    rises, number = own * states.rows.p > 0.0, np.arange(count, dtype=np.float64)
+    # Where nothing is asked but the first one, the other passage of a motion may stay unknown.
+    both = rises | (count > 1)
+    motions, ends, (here, there, lead) = arcs_of(states, own, how, both, True)
+    crosses = ends.crosses
+    on_this = ~crosses[:, None] | ((rises[:, None] + number) % 2 == 0)
 
-    def in_turn(on_this: Array, on_other: Array) -> Array:
-        return np.where(turns, on_this, on_other)
+    def each(on_own: NDArray[Any], on_other: NDArray[Any]) -> NDArray[Any]:
+        return np.where(on_this, on_own[:, None], on_other[:, None])
 
     def there_and_back(arc: compiled.rules.ArcRow[Array]) -> Array:
         return np.fmax(2.0 * arc.angle_error, arc.time_error / arc.time)
 
-    back, back_error = (
-        np.where(crosses & (rises | (not first_only)), column, 0.0) for column in (there.time, there.time_error)
-    )
-    whole = 2.0 * (here.time + back)
-    onward = np.where(crosses, here.time + back, whole)
-    first = np.where(rises, onward - lead.time, lead.time)
-    erred = lead.time_error + np.where(rises, 2.0 * (here.time_error + back_error), 0.0)
-    error = in_turn(there_and_back(here), there_and_back(there)) + np.nan_to_num(2.0 * fall.error)
-    error = np.fmax(error, in_turn(*tilt_errors(motions, ends)))
-    return _Pairs(
-        face=in_turn(own, -own).astype(np.int8),
-        side=np.sign(in_turn(motions.starts.Y, motions.Y_far)).astype(np.int8),
-        theta_min=2.0 * np.arctan(in_turn(ends.inner.r, ends.far.r)),
-        chi=2.0 * in_turn(here.chi, there.chi),
-        psi=2.0 * in_turn(own * here.psi, -own * there.psi),
-        duration=2.0 * in_turn(here.time, there.time),
-        error=np.maximum(error, erred / whole),
-        first=first,
-        first_error=erred / whole,
-        period=whole,
-        between=np.where(crosses, 0.5 * whole, whole),
-        fall_angle=2.0 * fall.chi,
-        status=np.zeros(crosses.size, np.int8),
+    fall = _falls(disk, motions, ends, how.accuracy)
+    back, back_error = (np.where(crosses & both, column, 0.0) for column in (there.time, there.time_error))
+    period = 2.0 * (here.time + back)
+    to_other = np.where(crosses, here.time + back, period)
+    first = np.where(rises, to_other - lead.time, lead.time)
+    first_error = lead.time_error + np.where(rises, 2.0 * (here.time_error + back_error), 0.0)
+    error = each(there_and_back(here), there_and_back(there)) + np.nan_to_num(2.0 * fall.error)[:, None]
+    error = np.fmax(error, each(*tilt_errors(motions, ends)))
+    # From its state the moment of a small swing is known no better than the tilt is: what the tilt errs by counts.
+    swing = np.fmin(ends.width, 1.0)
+    error = np.maximum(error, (swing * first_error / period)[:, None])
+    chi, psi = each(2.0 * here.chi, 2.0 * there.chi), each(2.0 * own * here.psi, -2.0 * own * there.psi)
+    duration = each(2.0 * here.time, 2.0 * there.time)
+    known = (np.isfinite(duration) & (error <= allowed(how.accuracy, chi, psi))).all(axis=1)
+    later = number * to_other[:, None]
+    time: Array = first[:, None] + later
+    late = ((swing * first_error)[:, None] + later * error.max(axis=1)[:, None]) / np.fmax(period[:, None], time)
+    fall_angle = np.broadcast_to(2.0 * fall.chi[:, None], chi.shape)
+    none = np.zeros(chi.shape, np.int64)
+    return Bounces(
+        row=none,
+        bounce=none,
+        time=time * disk.time_unit,
+        face=each(own, -own).astype(np.int8),
+        side=each(np.sign(motions.starts.Y), np.sign(motions.Y_far)).astype(np.int8),
+        theta_min=2.0 * np.arctan(each(ends.inner.r, ends.far.r)),
+        delta_chi=chi,
+        delta_psi=psi,
+        fall_angle=fall_angle,
+        race_angle=chi - fall_angle,
+        duration=duration * disk.time_unit,
+        error_estimate=np.fmax(error, late),
+        status=np.where(known[:, None], code.OK, code.STEP_LIMIT).astype(np.int8) + np.zeros_like(none, np.int8),
+        states=states,
     )
 
 
@@ -293,35 +248,3 @@ def _falls(disk: Disk, motions: ArcStarts, ends: Ends, accuracy: float) -> compi
     eta, size = np.where(abs(Y) <= abs(Y_far), Y, Y_far) * disk.body.I1, motions.starts.K
     departures = departures_of_moving(disk, motions.starts.X * disk.body.r0, eta, K, abs(K) + 2.0 * size)
     return fall_integrals(disk, departures, accuracy=accuracy)
-
-
-def _in_turn(states: States, pairs: _Pairs, count: int) -> Bounces:
-    """The first `count` bounces of every state, even and odd ones in turn."""
-    number, unit = np.arange(count), states.disk.time_unit
-    ok = (pairs.status == compiled.status.Status.OK)[:, None]
-
-    def each(pair: NDArray[Any], otherwise: float = np.nan) -> NDArray[Any]:
-        return np.where(ok, pair[number % 2].T, np.asarray(otherwise, pair.dtype))
-
-    shape, first = (len(states), count), pairs.first[:, None]
-    later = number * pairs.between[:, None]
-    erred = (pairs.first_error * pairs.period)[:, None] + later * pairs.error.max(axis=0)[:, None]
-    off = np.where(ok, erred / np.fmax(pairs.period[:, None], first + later), np.nan)
-    chi, fall = each(pairs.chi), np.where(ok, np.broadcast_to(pairs.fall_angle[:, None], shape), np.nan)
-    flat = Bounces(
-        row=np.broadcast_to(np.arange(len(states))[:, None], shape).copy(),
-        bounce=np.broadcast_to(number, shape).copy(),
-        time=np.where(ok, (first + later) * unit, np.nan),
-        face=each(pairs.face, 0),
-        side=each(pairs.side, 0),
-        theta_min=each(pairs.theta_min),
-        delta_chi=chi,
-        delta_psi=each(pairs.psi),
-        fall_angle=fall,
-        race_angle=chi - fall,
-        duration=each(pairs.duration) * unit,
-        error_estimate=np.fmax(each(pairs.error), off),
-        status=np.broadcast_to(pairs.status[:, None], shape).copy(),
-        states=states,
-    )
-    return flat.reshaped((*states.shape, count))

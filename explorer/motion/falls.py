@@ -10,6 +10,7 @@ from explorer import compiled
 from explorer.motion.arcs import PIECE, arcs_between, by_rules, from_place, integrals, places
 from explorer.motion.vertical import depth
 from explorer.phase.disk import Disk
+from explorer.phase.energy import energy_at
 from explorer.phase.lines import line_slope
 from explorer.phase.states import Array
 
@@ -31,10 +32,12 @@ def rows_apart(rows: int, n: int) -> Array:
 
 
 def fall_from_vertical(
-    disk: Disk, sigma3_bar: Array, energy: Array, edge: float = 0.0, accuracy: float = 0.0
+    disk: Disk, sigma3_bar: Array, energy: Array, accuracy: float = 0.0
 ) -> "compiled.passages.FallRow[Array]":
     """The fall on F with these constants from the vertical to flat, face +1, natural units: `fall_integrals`."""
-    return fall_integrals(disk, departures_of_energy(disk, sigma3_bar, energy), edge, accuracy)
+    V = energy_at(disk.body, 0.0, sigma3_bar, line_slope(disk) * sigma3_bar, 1.0)
+    departures = departures_of_moving(disk, sigma3_bar, np.zeros(V.size), energy - V, abs(energy) + V)
+    return fall_integrals(disk, departures, accuracy=accuracy)
 
 
 def fall_integrals(
@@ -118,33 +121,14 @@ def falls_as_arcs(
     return np.stack([arc.time, arc.chi, arc.psi, error])
 
 
-def vertical_above_flat(disk: Disk, sigma3_bar: Array) -> Array:
-    """V - V_0 at the vertical on F, eq. (3.8), natural units."""
-    none = np.zeros(sigma3_bar.size)
-    return departures_of_moving(disk, sigma3_bar, none, none, none).level
-
-
 @np.errstate(over="ignore", invalid="ignore")  # of motions that are no input
-def departures_of_energy(disk: Disk, sigma3_bar: Array, energy: Array) -> "compiled.passages.Departures":
-    """Falls with these energies, as far as a difference of energies tells their start; natural units."""
-    bar, given = np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy)
-    at_flat = disk.energy_at_flat(bar)
-    level = given - at_flat
-    moving = level - vertical_above_flat(disk, bar)
-    return compiled.passages.Departures(bar, level, moving, _ROUNDING * (abs(given) + at_flat))
-
-
-def departures_beside(disk: Disk, crossings: "compiled.passages.Crossings") -> "compiled.passages.Departures":
-    """Falls on F with the sigma3_bar and energies of motions beside it that cross the vertical; natural units."""
-    with np.errstate(over="ignore", invalid="ignore"):  # of motions that are no input
-        given = 0.5 * disk.body.M * crossings.speed**2
-    return departures_of_moving(disk, crossings.sigma3_bar, crossings.eta, given, given)
-
-
 def departures_of_moving(
     disk: Disk, sigma3_bar: Array, eta: Array, given: Array, size: Array
 ) -> "compiled.passages.Departures":
-    """The same from E - V of motions beside F at the vertical, and the size of what that is a difference of."""
+    """Falls on F with the sigma3_bar and energies of motions on or beside it, natural units.
+
+    given: E - V of these motions at the vertical; size: of what that is a difference of.
+    """
     b = disk.body
     # sigma4 at the vertical is less by eta_hat than on F, eq. (6.2): no energies are subtracted.
     on_f, eta_hat = line_slope(disk) * sigma3_bar, eta / (b.I3 * b.r0)

@@ -23,9 +23,8 @@ from explorer.phase.states import Array
 # Some thousand passages at the finest settings; only a start beside an equilibrium needs more.
 MAX_STEPS = 2_000_000
 # Finer steps are to err by a third of what is asked, and by a third of what the ones before did or less. Those to
-# be compared err by a tenth; errors of adaptive methods may hardly change between two tolerances that are ten
-# times apart, so these are thirty.
-_THIRD, _LEAST, _FIXED, _ADAPTIVE = 0.3, 1e-4, 0.1, 0.03
+# be compared err by a thirtieth: between tolerances that are ten times apart errors may hardly change.
+_THIRD, _LEAST, _COMPARED = 0.3, 1e-4, 0.03
 _RUNS = 8  # finer ones at most, each slower than the one before
 
 
@@ -41,7 +40,7 @@ class InitialValues(NamedTuple):
     control: Array
     max_steps: int = MAX_STEPS
 
-    def at(self, rows: NDArray[np.intp]) -> InitialValues:
+    def at(self, rows: NDArray[np.intp] | slice) -> InitialValues:
         """Some of them."""
         initial, motion = np.ascontiguousarray(self.initial[:, rows]), self.motion.at(rows)
         return self._replace(initial=initial, motion=motion, status=self.status[rows], control=self.control[rows])
@@ -111,7 +110,7 @@ def follow_accurately(
     """
     ok, lost = compiled.status.Status.OK, compiled.status.Status.NOT_FINITE
     found, control = follow(given, event, values), given.control.copy()
-    error, steps, finest = estimate(found, np.s_[:]), found.steps.copy(), np.zeros(control.size, np.bool_)
+    error, finest = estimate(found, np.s_[:]), np.zeros(control.size, np.bool_)
 
     def unsettled() -> NDArray[np.intp]:
         error[found.status == lost] = np.inf  # steps so long that a motion runs away
@@ -124,7 +123,7 @@ def follow_accurately(
             if not rows.size:
                 break
             by_accuracy = np.clip(_THIRD * asked / error[rows], _LEAST, _THIRD)
-            less = np.where(np.isfinite(error[rows]), by_accuracy, _ADAPTIVE if given.plan.adaptive else _FIXED)
+            less = np.where(np.isfinite(error[rows]), by_accuracy, _COMPARED)
             finer = given._replace(control=control).at(rows).finer(less)
             # What has no finer steps is compared with a run by coarser ones, and stays.
             finest[rows] = finer.control >= control[rows]
@@ -133,15 +132,12 @@ def follow_accurately(
             better = follow(finer, event, values)
             # The difference is the error of the coarser run; of the finer one it is less, with a reserve of three.
             apart = distance_between(better.out, found.out[rows], in_time=event.t != 0.0)
-            # The same steps once more tell nothing, but of a motion that is short, or stays where it is.
-            moves = (better.out[:, -1, :5] != finer.initial[:5].T).any(axis=1) & (better.steps > precision.FEW)
-            apart[(apart == 0.0) & (better.steps == steps[rows]) & moves] = np.inf
             known = apart + precision.SHARE * given.plan.accuracy
             error[rows] = np.where(stays, known, np.clip(estimate(better, rows), 3.0 * less * apart, known))
             found.steps[rows] += better.steps
             rows, better = rows[~stays], better.at(~stays)
             found.put(rows, better)
-            control[rows], steps[rows] = finer.control[~stays], better.steps
+            control[rows] = finer.control[~stays]
         found.status[unsettled()] = compiled.status.Status.STEP_LIMIT
     found.out[found.status != ok] = np.nan
     return found, error, given._replace(control=control)

@@ -236,7 +236,15 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     >>> print(f"{up(2.0).chi - down(2.0).chi:.4f} = 2 kappa pi = {2.0 * disk.race_limit:.4f}")
     14.0496 = 2 kappa pi = 14.0496
     """
-    states = require_states(state_on_f)
+    limit = limit_beside(state_on_f, side)
+    if misses_f(limit):
+        warn_of_move(limit, 3)
+    return limit
+
+
+def limit_beside(state: States, side: int = 1) -> LimitMotion:
+    """The same without a warning where the state is moved."""
+    states = require_states(state)
     disk = states.disk
     require_axial_inertia(disk)
     side = sign("side", side)
@@ -254,10 +262,7 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
         bar = math.copysign(max(abs(bar), _TINY * max(float(motion.energy[0]), 1.0)), bar)
     on_f = _onto_f(states, bar, np.where(where.on_f, 0.0, eta), face)
     rise = Rise(disk, on_f, face * z < 0.0)
-    limit = LimitMotion(disk, rise, bar, face, side, face * p >= 0.0, disk.eta_to_eta_hat(float(eta[0])))
-    if misses_f(limit):
-        warn_of_move(limit, 3)
-    return limit
+    return LimitMotion(disk, rise, bar, face, side, face * p >= 0.0, disk.eta_to_eta_hat(float(eta[0])))
 
 
 def misses_f(limit: LimitMotion) -> bool:

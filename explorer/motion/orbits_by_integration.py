@@ -6,13 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion import precision
 from explorer.motion.orbits import Ends, Orbits
-from explorer.motion.passages_by_integration import by_integration
+from explorer.motion.passages_by_integration import followed_to_flattest
 from explorer.motion.plan import Plan
 from explorer.motion.turning_points import tilt_of, turning_points
-from explorer.motion.vertical import starts_at_vertical
-from explorer.phase.states import Array, States
+from explorer.phase.states import Array, States, constants_to_states
 
 _OF_ARC = 0.25  # of the accuracy: a motion is followed from its state to both of its turning points, and on
 
@@ -25,8 +23,7 @@ def integrated_orbits(states: States, own: Array, ends: Ends, how: Plan) -> tupl
     What could not be followed has infinite errors.
     """
     n, finer = len(states), replace(how, accuracy=_OF_ARC * how.accuracy)
-    slow = precision.amplification(precision.speed_at_vertical(states.disk, states.motion))
-    turns = [turning_points(each, finer, slow) for each in (states, states.reversed())]
+    turns = [turning_points(each, finer) for each in (states, states.reversed())]
     # A state at rest is the turning point behind itself.
     moves = np.stack([np.ones(n, bool), states.rows.p != 0.0])
     theta = np.where(moves, [turn.theta for turn in turns], tilt_of(states.natural))
@@ -68,12 +65,14 @@ def _from_vertical(
     states: States, face: Array, ends: Ends, how: Plan, rows: NDArray[np.intp]
 ) -> tuple[Array, ...]:
     """Time, chi, psi as the face has it, and the error, of some motions from the vertical to a turning point."""
-    disk, motion, unit = states.disk, states.motion, states.disk.rate_unit
-    eta_hat = disk.eta_to_eta_hat(motion.eta(face > 0.0))[rows]
+    disk, motion, unit = states.disk, states.motion.at(rows), states.disk.rate_unit
+    eta_hat, own = disk.eta_to_eta_hat(motion.eta(face[rows] > 0.0)), face[rows]
     with np.errstate(invalid="ignore"):  # no speed where there is no vertical: bad input, and no answer
-        speed = np.sqrt(2.0 * disk.body.inv_M * ends.vertical.K[rows])
-    starts = starts_at_vertical(disk, motion.sigma3_bar[rows] * unit, eta_hat * unit, speed * unit, face[rows])
-    found, _steps = by_integration(disk, starts, how, motion.at(rows))
-    failed = found.status != compiled.status.Status.OK
-    halves = (0.5 * column for column in (found.time, found.chi, found.psi))
-    return *halves, np.where(failed, np.nan, found.error)
+        phidot = own * np.sqrt(2.0 * disk.body.inv_M * ends.vertical.K[rows])
+    # Of the other eta more digits are known than this one tells.
+    at = replace(
+        constants_to_states(disk, motion.sigma3_bar * unit, eta_hat * unit, phidot * unit, own), given=motion
+    )
+    turn, error = followed_to_flattest(at, how)
+    failed = (turn.status != compiled.status.Status.OK) | (turn.face != own)
+    return turn.time, turn.chi, turn.psi * own, np.where(failed, np.nan, error)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, TypedDict, Unpack
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,16 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, number, shown
 from explorer.motion.arcs import OF_ANGLES
-from explorer.motion.falls import departures_beside, fall_integrals, rows_apart
+from explorer.motion.falls import departures_of_moving, fall_integrals, rows_apart
 from explorer.motion.passages_by_integration import by_integration
 from explorer.motion.passages_by_quadrature import by_quadrature
 from explorer.motion.plan import Plan, plan
 from explorer.motion.precision import asked
 from explorer.motion.threads import BLOCK, blocks, in_parts
 from explorer.motion.vertical import VerticalStarts, starts_at_vertical
-from explorer.phase.arguments import keywords_of, read_columns
+from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
-from explorer.phase.results import Result
+from explorer.phase.results import Result, joined
 from explorer.phase.states import Array
 
 OBSERVABLES = ("race_angle", "delta_chi", "delta_psi", "theta_min", "duration")
@@ -105,20 +105,6 @@ class Passages(Result):
         return np.sign(self.eta_hat).astype(np.int8)
 
 
-class Computation(TypedDict, total=False):
-    """Keywords of `passages` that say how they are computed; see there."""
-
-    method: str
-    accuracy: float
-    jobs: int
-
-
-class _Computation(NamedTuple):
-    method: str = "auto"
-    accuracy: float = 1e-6
-    jobs: int = 1
-
-
 def passages(
     disk: Disk,
     sigma3_bar: ArrayLike,
@@ -127,7 +113,9 @@ def passages(
     face: ArrayLike = 1,
     *,
     window: float | None = None,
-    **computation: Unpack[Computation],
+    method: str = "auto",
+    accuracy: float = 1e-6,
+    jobs: int = 1,
 ) -> Passages:
     """Passages from the vertical to nearly flat and back to the vertical.
 
@@ -146,11 +134,13 @@ def passages(
         Flat state that the motion starts towards, +1 or -1.
     window : float, optional
         cos(phi), 0 to 1, at which to start and stop instead of at the vertical. Quadrature only.
-    **computation
-        method : 'auto' or 'quadrature', or 'rk4', 'rk8', 'dopri5', 'dop853', which project each step onto the
-        constants, and say UNRESOLVED_SIDE if their error hides the direction of the race. accuracy : of angles
-        (rad), or their 14th digit if that is larger; relative for times and theta_min; by default 1e-6.
-        jobs : threads, by default 1.
+    method : str
+        'auto' or 'quadrature', or 'rk4', 'rk8', 'dopri5', 'dop853', which project each step onto the constants,
+        and say UNRESOLVED_SIDE if their error hides the direction of the race.
+    accuracy : float
+        Of angles (rad), or their 14th digit if that is larger; relative for times and theta_min.
+    jobs : int
+        Threads.
 
     Returns
     -------
@@ -174,27 +164,34 @@ def passages(
     >>> found.race_angle.round(4)
     array([ 7.0248, -7.0248,  7.0248])
     """
-    known = ("disk", "sigma3_bar", "eta_hat", "phidot", "face", "window", *_Computation._fields)
-    given = keywords_of("passages", computation, _Computation, known)
-    how = plan(OBSERVABLES, given.accuracy, given.method)
+    how = plan(OBSERVABLES, accuracy, method)
     columns, shape = read_columns({"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot, "face": face})
-    edge, jobs = _edge_of(window, how.method), jobs_of("jobs", given.jobs)
-    return _in_parts(disk, columns, how, edge, jobs).reshaped(shape)
+    edge, starts = _edge_of(window, how.method), starts_at_vertical(disk, *columns)
+    # Threads that nobody waits for any more, after Ctrl-C, do no more than this many at a time.
+    rows, some = starts.status.size, None if jobs_of("jobs", jobs) == 1 else 64 * BLOCK
+    found = joined(in_parts(jobs, rows, lambda part: passages_by(disk, starts.at(part), how, edge)[0], some))
+    # The numbers as they were given, also where a placeholder stood for them.
+    given = dict[str, Any](zip(Passages._GIVEN, columns, strict=True))
+    return replace(found, **given).reshaped(shape)
 
 
-def passages_by(disk: Disk, starts: VerticalStarts, how: Plan) -> tuple[Passages, NDArray[np.int32] | None]:
-    """As `passages`, by a plan that was made, which may name its setting; and the steps of an integrator."""
+def passages_by(
+    disk: Disk, starts: VerticalStarts, how: Plan, edge: float = 0.0, tables: bool = True
+) -> tuple[Passages, NDArray[np.int32] | None]:
+    """As `passages`, by a plan that was made, which may name its setting; and the steps of an integrator.
+
+    edge: the tilt phi (rad) of the window. tables: False for quadrature by arcs alone.
+    """
     if how.method == "quadrature":
-        return _passages(disk, starts, how, 0.0), None
+        parts = (by_quadrature(disk, starts.at(rows), how, edge, tables) for rows in blocks(starts.status.size))
+        return _assemble(disk, starts, parts, how, edge), None
     samples, steps = by_integration(disk, starts, how)
-    return _assemble(disk, starts, [samples], how, 0.0), steps
+    return _assemble(disk, starts, [samples], how, edge), steps
 
 
 def reference_passages(disk: Disk, starts: VerticalStarts, accuracy: float = 1e-11) -> Passages:
     """Passages as arcs: by quadrature, but by none of the tables of the body."""
-    how = plan(OBSERVABLES, accuracy, "quadrature")
-    parts = (by_quadrature(disk, starts.at(rows), how, 0.0, False) for rows in blocks(starts.status.size))
-    return _assemble(disk, starts, parts, how, 0.0)
+    return passages_by(disk, starts, plan(OBSERVABLES, accuracy, "quadrature"), tables=False)[0]
 
 
 def passage_kernels(how: Plan) -> tuple[str, ...]:
@@ -202,22 +199,6 @@ def passage_kernels(how: Plan) -> tuple[str, ...]:
     quadrature = how.method == "quadrature"
     by = ("passages.passage_batch",) if quadrature else ("algebra.constants_batch", how.kernel)
     return *by, "passages.fall_batch", "races.race_batch"
-
-
-def _in_parts(disk: Disk, given: list[Array], how: Plan, edge: float, jobs: int) -> Passages:
-    """Passages, a part of them by each of so many threads."""
-    starts = starts_at_vertical(disk, *given)
-    n, columns = starts.status.size, dict[str, Any]()
-    if min(jobs, n) <= 1:
-        found = _passages(disk, starts, how, edge)
-    else:
-        # Threads that nobody waits for any more, after Ctrl-C, do no more than this many.
-        some = 64 * BLOCK
-        found, *others = in_parts(jobs, n, lambda rows: _passages(disk, starts.at(rows), how, edge), some)
-        for name, first in found.columns.items():
-            columns[name] = np.concatenate([first, *(part.columns[name] for part in others)])
-    # The numbers as they were given, also where a placeholder stood for them.
-    return replace(found, **(columns | dict(zip(Passages._GIVEN, given, strict=True))))
 
 
 def _edge_of(window: float | None, method: str) -> float:
@@ -232,13 +213,7 @@ def _edge_of(window: float | None, method: str) -> float:
     return float(np.arccos(cosine))
 
 
-def _passages(disk: Disk, starts: VerticalStarts, how: Plan, edge: float) -> Passages:
-    if how.method == "quadrature":
-        parts = (starts.at(slice(i, i + BLOCK)) for i in range(0, max(starts.status.size, 1), BLOCK))
-        return _assemble(disk, starts, (by_quadrature(disk, part, how, edge) for part in parts), how, edge)
-    return _assemble(disk, starts, [by_integration(disk, starts, how)[0]], how, edge)
-
-
+@np.errstate(over="ignore")  # of starts that are no input
 def _assemble(
     disk: Disk, starts: VerticalStarts, parts: Iterable[compiled.races.Samples], how: Plan, edge: float
 ) -> Passages:
@@ -250,8 +225,8 @@ def _assemble(
     units = races.Units(disk.time_unit, disk.energy_unit, disk.rate_unit, disk.race_limit)
     out, status = rows_apart(12, n), np.empty(n, np.int8)
     for samples in parts:
-        crossed = compiled.passages.Crossings(samples.sigma3_bar, samples.eta, samples.speed)
-        departures = departures_beside(disk, crossed)
+        kinetic = 0.5 * disk.body.M * samples.speed**2
+        departures = departures_of_moving(disk, samples.sigma3_bar, samples.eta, kinetic, kinetic)
         fall = fall_integrals(disk, departures, edge, how.accuracy)
         falls = races.Falls(fall.time, fall.chi, departures.level, fall.error)
         races.race_batch(samples, falls, terms, units, disk.natural, first, out)

@@ -1,17 +1,14 @@
 """Passages by integration to the turning point, doubled: the second half is the first run backwards."""
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion import precision
 from explorer.motion.plan import Plan
-from explorer.motion.turning_points import turning_points
+from explorer.motion.turning_points import TurningPoints, turning_points
 from explorer.motion.vertical import VerticalStarts
 from explorer.phase.disk import Disk
-from explorer.phase.lines import Motion
 from explorer.phase.states import Array, States, constants_to_states
 
 # What rounding moves p by while a slow start leaves the vertical, for each unit of the rates there: some units of
@@ -20,18 +17,15 @@ _UNIT = 1e-15
 
 
 def by_integration(
-    disk: Disk, starts: VerticalStarts, how: Plan, known: Motion | None = None
+    disk: Disk, starts: VerticalStarts, how: Plan
 ) -> "tuple[compiled.races.Samples, NDArray[np.int32]]":
     """Passages from the vertical to the turning point, doubled: the second half is the first run backwards.
 
-    Also how many steps were attempted for each. known: their constants, where more digits of them are known than
-    eta_hat of the face they start towards tells of the other one.
+    Also how many steps were attempted for each.
     """
     code, face = compiled.status.Status, starts.face
     states = constants_to_states(disk, starts.sigma3_bar, starts.eta_hat, face * starts.speed, face)
-    states = states if known is None else replace(states, given=known)
-    turn = turning_points(states, how, precision.amplification(starts.speed / disk.rate_unit))
-    error = turn.error + rounding_at_rest(disk, starts, states, turn.time)
+    turn, error = followed_to_flattest(states, how)
     status = np.where(starts.eta_hat == 0.0, code.FALLS, turn.status)
     status = np.where(starts.status == code.OK, status, starts.status).astype(np.int8)
     ok = status == code.OK
@@ -44,7 +38,13 @@ def by_integration(
     return compiled.races.Samples(bar, eta, speed, face, *followed, error, status), turn.steps
 
 
-def rounding_at_rest(disk: Disk, starts: VerticalStarts, states: States, time: Array) -> Array:
+def followed_to_flattest(states: States, how: Plan) -> tuple[TurningPoints, Array]:
+    """The turning points of motions that start at the vertical, and how far they may be off."""
+    turn = turning_points(states, how)
+    return turn, turn.error + _rounding_at_rest(states, turn.time)
+
+
+def _rounding_at_rest(states: States, time: Array) -> Array:
     """What the rounding of a slow start adds to the angles (rad), which all turn while it leaves the vertical.
 
     time: of the way to the turning point, natural units, in which the angles turn by rate * time. Rounding moves p
@@ -52,7 +52,7 @@ def rounding_at_rest(disk: Disk, starts: VerticalStarts, states: States, time: A
     a unit of time by the force at the vertical, eq. (2.16).
     """
     _q, _z, p, rho, sigma4 = states.rows
-    body, rate = disk.body, np.fmax(abs(rho), abs(sigma4))
+    body, rate = states.disk.body, np.fmax(abs(rho), abs(sigma4))
     short = np.minimum(time, 1.0)
     leaves = abs(p) + body.J_over_M * abs(rho * sigma4) * short
     with np.errstate(over="ignore"):  # such an estimate is refused, however large it is

@@ -102,13 +102,7 @@ def _ways(
     found, (bar, eta, speed) = compiled.passages.PassageRow(*out), crossings
     energy, on_f = found.energy, eta == 0.0
     if on_f.any():  # what lies on F was left out
-        energy = np.where(on_f, energy_on_f(disk, bar, speed), energy)
+        energy = np.where(on_f, energy_at(disk.body, speed, bar, line_slope(disk) * bar, 1.0), energy)
     error = np.fmax(found.angle_error, found.time_error)
     followed = found.theta_min, found.chi, found.psi, found.time, found.turn_rate
     return compiled.races.Samples(bar, eta, speed, face, *followed, energy, error, status)
-
-
-def energy_on_f(disk: Disk, sigma3_bar: Array, speed: Array) -> Array:
-    """Energy of a start at the vertical on a line l_+-, eqs (2.19), (6.1); natural units."""
-    energy: Array = energy_at(disk.body, speed, sigma3_bar, line_slope(disk) * sigma3_bar, 1.0)
-    return energy

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import partial
-from typing import NamedTuple
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,15 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of
 from explorer.motion.arcs import allowed
-from explorer.motion.orbits import ends_of, orbits_of, smallest
+from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of, smallest
 from explorer.motion.orbits_by_integration import integrated_orbits
 from explorer.motion.plan import Plan, plan
-from explorer.motion.starts import arc_starts_of, face_of, status_of_period
+from explorer.motion.starts import ArcStarts, arc_starts_of, face_of, status_of_period
 from explorer.motion.threads import BLOCK, in_parts
 from explorer.motion.vertical import LARGEST
 from explorer.phase.disk import LARGEST_RATE, require_axial_inertia
 from explorer.phase.lines import line_chart, motion_given
-from explorer.phase.results import Result
+from explorer.phase.results import Result, joined
 from explorer.phase.states import Array, Rows, States, columns_of, require_states
 
 
@@ -121,66 +121,57 @@ def periods(
     require_axial_inertia(disk)
     how = plan(("period",), accuracy, method)
     known = states if eta_hat is None else _with_eta_hat(states, eta_hat)
-    own, status = face_of(known), status_of_period(known)
-    parts = in_parts(jobs_of("jobs", jobs), len(states), partial(_orbits, known, own, status, how), BLOCK)
-    out, status = (np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True))
-    found, ok = _Period(*out), status == compiled.status.Status.OK
-    flat = Periods(
-        period=found.time * disk.time_unit,
-        chi=found.chi,
-        psi=found.psi * own,
-        theta_min=found.theta_min,
-        crosses=ok & (found.crosses == 1.0),
-        energy=np.where(ok, known.motion.energy, np.nan) * disk.energy_unit,
-        error_estimate=found.error,
-        status=status,
-        states=states,
-    )
-    return flat.reshaped(states.shape)
+    found = of_motions(known, jobs_of("jobs", jobs), lambda some: _periods(some, how))
+    return replace(found, states=states).reshaped(states.shape)
 
 
-class _Period(NamedTuple):
-    """A period in natural units, psi as the face of the state has it; crosses: 1 for motions that do."""
+M = TypeVar("M", bound=Result)
 
-    time: Array
-    chi: Array
-    psi: Array
-    theta_min: Array
-    crosses: Array
-    error: Array
+
+def of_motions(states: States, jobs: int, call: Callable[[States], M]) -> M:
+    """What `call` finds of states that have a period, block by block; the others keep their status."""
+    status = status_of_period(states)
+    rows = np.flatnonzero(status == compiled.status.Status.OK)
+    return joined(in_parts(jobs, rows.size, lambda some: call(states.at(rows[some])), BLOCK)).among(rows, status)
+
+
+def arcs_of(
+    states: States, own: Array, how: Plan, there: NDArray[np.bool_] | bool, lead: bool
+) -> tuple[ArcStarts, Ends, Orbits]:
+    """Motions as each is seen from the face `own` of its state, their turning points, and the arcs between them.
+
+    there, lead: as for `orbits_of`; an integrator gives all arcs.
+    """
+    motions = arc_starts_of(states, own)
+    ends = ends_of(states.disk, motions)
+    if how.method == "quadrature":
+        return motions, ends, orbits_of(states.disk, motions, ends, how.accuracy, there, lead)
+    return motions, *integrated_orbits(states, own, ends, how)
 
 
 @np.errstate(invalid="ignore", divide="ignore")  # of motions that were not found
-def _orbits(
-    states: States, own: Array, status: NDArray[np.int8], how: Plan, rows: NDArray[np.intp]
-) -> tuple[Array, NDArray[np.int8]]:
-    """Some of the periods (6, n), NaN where the status, which is the second result, is not OK."""
-    code, disk = compiled.status.Status, states.disk
-    answer, told = np.full((len(_Period._fields), rows.size), np.nan), status[rows]
-    asked = np.flatnonzero(told == code.OK)
-    known, own = states.at(rows[asked]), own[rows[asked]]
-    some = arc_starts_of(known, own)
-    ends = ends_of(disk, some)
-    if how.method == "quadrature":
-        here, there, _lead = orbits_of(disk, some, ends, how.accuracy, True, False)
-    else:
-        ends, (here, there, _lead) = integrated_orbits(known, own, ends, how)
+def _periods(states: States, how: Plan) -> Periods:
+    """The periods of states that have one."""
+    disk, own, code = states.disk, face_of(states), compiled.status.Status
+    motions, ends, (here, there, _lead) = arcs_of(states, own, how, True, False)
     back = compiled.rules.ArcRow(*np.where(ends.crosses, there, 0.0))
     time = 2.0 * (here.time + back.time)
+    chi, psi = 2.0 * (here.chi + back.chi), 2.0 * own * (here.psi - back.psi)
     error = np.fmax(2.0 * (here.angle_error + back.angle_error), 2.0 * (here.time_error + back.time_error) / time)
-    theta_min, of_tilt = smallest(some, ends)
-    found = _Period(
-        time=time,
-        chi=2.0 * (here.chi + back.chi),
-        psi=2.0 * (here.psi - back.psi),
+    theta_min, of_tilt = smallest(motions, ends)
+    error = np.fmax(error, of_tilt)
+    good = np.isfinite(time) & (error <= allowed(how.accuracy, chi, psi))
+    return Periods(
+        period=time * disk.time_unit,
+        chi=chi,
+        psi=psi,
         theta_min=theta_min,
-        crosses=ends.crosses.astype(np.float64),
-        error=np.fmax(error, of_tilt),
+        crosses=ends.crosses,
+        energy=states.motion.energy * disk.energy_unit,
+        error_estimate=error,
+        status=np.where(good, code.OK, code.STEP_LIMIT).astype(np.int8),
+        states=states,
     )
-    good = np.isfinite(found.time) & (found.error <= allowed(how.accuracy, found.chi, found.psi))
-    answer[:, asked[good]] = np.stack(found)[:, good]
-    told[asked[~good]] = code.STEP_LIMIT
-    return answer, told
 
 
 def _with_eta_hat(states: States, eta_hat: ArrayLike) -> States:

@@ -95,13 +95,10 @@ class Plan:
 
         What is held cannot be lost, so the setting does not depend on the distance from F.
         """
-        return float(self.control_for(1.0))
-
-    def control_for(self, share: Any) -> Any:
-        """That times a share, which may be an array, but no tolerance that rounding would refuse."""
-        if self.setting is not None:
-            return self.at_least(share * self.setting)
-        return self.at_least(share * calibration.current().curves[self.method].at(self.accuracy))
+        calibrated = (
+            calibration.current().curves[self.method].at(self.accuracy) if self.setting is None else self.setting
+        )
+        return float(self.at_least(calibrated))
 
     def at_least(self, setting: Any) -> Any:
         """A step, or a tolerance that rounding does not refuse."""

@@ -99,12 +99,17 @@ class Records(NamedTuple):
 
     points: Array
     first: NDArray[np.int64]
-    outcome: Outcome
 
     @property
     def lengths(self) -> NDArray[np.int64]:
         """How many points each motion has; 0 where it is not OK."""
         return self.first[1:] - self.first[:-1]
+
+    def at(self, rows: NDArray[np.intp]) -> Records:
+        """The curves of some motions."""
+        each = [np.arange(self.first[row], self.first[row + 1]) for row in rows]
+        first = np.append(0, np.cumsum(self.lengths[rows]))
+        return Records(self.points[:, np.concatenate([*each, np.arange(0)])], first)
 
     def padded(self, values: Array) -> Array:
         """(n, longest, ...): values of all points, the last of each motion repeated; NaN where it is not OK."""
@@ -114,17 +119,16 @@ class Records(NamedTuple):
         return np.concatenate([values, missing])[np.where(lengths > 0, places, len(values))]
 
 
-def record(motions: InitialValues, t_end: float, jobs: int = 1) -> Records:
-    """Curves of all motions up to t_end. Raises InputError where that takes too much memory."""
+def record(motions: InitialValues, t_end: float, jobs: int = 1) -> tuple[Records, Outcome]:
+    """Curves of all motions up to t_end, and their outcome. Raises InputError where memory is too little."""
     number = motions.status.size
     found = in_parts(jobs, number, lambda rows: _record(motions.at(rows), t_end, number))
-    sizes = np.concatenate([part.lengths for part in found])
-    points = np.concatenate([part.points for part in found], axis=1)
-    first = np.concatenate([[0], np.cumsum(sizes)])
-    return Records(points, first, _joined([part.outcome for part in found]))
+    sizes = np.concatenate([part.lengths for part, _ in found])
+    points = np.concatenate([part.points for part, _ in found], axis=1)
+    return Records(points, np.append(0, np.cumsum(sizes))), _joined([outcome for _, outcome in found])
 
 
-def _record(given: InitialValues, t_end: float, number: int) -> Records:
+def _record(given: InitialValues, t_end: float, number: int) -> tuple[Records, Outcome]:
     """Curves of a part of `number` motions: first how finely they are to be followed, then each of their steps."""
     _ends, outcome, given = _sample(given, np.full(1, t_end))
     given, code = given._replace(status=outcome.status), compiled.status.Status
@@ -140,18 +144,18 @@ def _record(given: InitialValues, t_end: float, number: int) -> Records:
         )
     ends = found.out[:, 0]
     ends[:, compiled.field.ROW.t] = t_end  # where it was located, but for rounding
-    points, first = _in_order(rows[: used[0]], ends, found.status == code.OK)
-    return Records(points, first, outcome._replace(status=found.status, steps=found.steps))
+    records = _in_order(rows[: used[0]], ends, found.status == code.OK)
+    return records, outcome._replace(status=found.status, steps=found.steps)
 
 
-def _in_order(rows: Array, ends: Array, drawn: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int64]]:
+def _in_order(rows: Array, ends: Array, drawn: NDArray[np.bool_]) -> Records:
     """The points of curves one after another, the end of each behind its steps; of motions that are `drawn`."""
     owner = np.append(rows[:, compiled.curves.OWNER].astype(np.int64), np.arange(drawn.size))
     order = np.argsort(owner, kind="stable")
     order = order[drawn[owner[order]]]
     last = np.pad(ends, ((0, 0), (0, 1)))  # from which there is no step
     points = np.stack([np.append(rows[:, k], last[:, k])[order] for k in range(last.shape[1])])
-    return points, np.append(0, np.cumsum(np.bincount(owner[order], minlength=drawn.size)))
+    return Records(points, np.append(0, np.cumsum(np.bincount(owner[order], minlength=drawn.size))))
 
 
 def between(motions: InitialValues, records: Records, times: Array) -> Array:

@@ -6,12 +6,11 @@ over stretches of such distances: to flat in tan(theta/2), where nothing on F is
 at a turning point, and halved where the motion changes faster than a series can follow.
 """
 
-from functools import cache
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.polynomial import Chebyshev
-from numpy.polynomial.chebyshev import chebint, chebpts1, chebvander
+from numpy.polynomial.chebyshev import chebint, chebinterpolate, chebpts1, chebval
 from numpy.typing import NDArray
 
 from explorer import compiled
@@ -89,12 +88,10 @@ class Stretch(NamedTuple):
         return q, face * at.w / larger, speed, at.sigma3 / q, face * at.sigma4, at.error / at.K
 
 
-@cache
-def _nodes() -> tuple[Array, Array, Array]:
-    """Nodes on (-1, 1); matrices from values there to coefficients of their integral, and from these to values."""
-    nodes = chebpts1(_NODES)
-    integral: Array = chebint(np.linalg.inv(chebvander(nodes, _NODES - 1)), lbnd=-1)
-    return nodes, integral.T, np.asarray(chebvander(nodes, _NODES).T, np.float64)
+def _integrated(rates: NDArray[Any]) -> NDArray[Any]:
+    """Coefficients of the integrals from -1 of rates, whose last axis are Chebyshev's nodes."""
+    values: Any = rates.T  # of several functions at once
+    return np.asarray(chebint(chebinterpolate(lambda _nodes: values, _NODES - 1), lbnd=-1)).T
 
 
 class Rise:
@@ -168,18 +165,17 @@ class Rise:
 
         And what rounding of K may change (4).
         """
-        nodes, integral, values = _nodes()
-        width = 0.5 * (high - low)
+        nodes, width = chebpts1(_NODES), 0.5 * (high - low)
         u = low + width * (1.0 + nodes)
         q, z, speed, ratio, sigma4, unsure = stretch.points(self._disk, u)
         if not (unsure < _KNOWN).all():
             raise InputError(_ENDLESS)
         ds = width * stretch.distance(u)[1] / speed
-        chi = self._reached[1].real + (ratio * ds) @ integral @ values
+        chi = self._reached[1].real + chebval(nodes, _integrated(ratio * ds))
         # eq. (2.33): d(a1 + i a2)/dt = (thetadot cos phi - i sigma4) e^(i chi)
         moved = q * (speed * q - 1j * sigma4) * np.exp(1j * chi)
         rates = np.stack([q, ratio, z * ratio - q * sigma4, moved]) * ds
-        return (rates @ integral).astype(np.complex128), (abs(rates) * unsure).mean(axis=1)
+        return _integrated(rates), (abs(rates) * unsure).mean(axis=1)
 
     def at(self, time: Array) -> Moving:
         """The rise at times since flat, 0 <= time <= half."""

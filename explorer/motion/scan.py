@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from explorer.errors import InputError, flag, jobs_of, one_of, shown, whole
 from explorer.motion.bounces import bounces
 from explorer.motion.periods import periods
+from explorer.motion.threads import in_parts
 from explorer.phase.arguments import returned_numbers
 from explorer.phase.constants import constants_of
 from explorer.phase.falling_set import falls_of
@@ -38,7 +39,8 @@ OBSERVABLES = {name: call for call, names in _SOURCES.values() for name in names
 class Scan(Table):
     """Observables of states, arrays with their shape: what `scan` returns.
 
-    It is indexed by the name of an observable; where there is one alone, it is also an array itself for numpy.
+    It is indexed by the name of an observable, or as an array for some of the states; where there is one
+    observable alone, it is also an array itself for numpy.
     `save` stores it, and picture observable draws it.
 
     Attributes
@@ -74,8 +76,16 @@ class Scan(Table):
     def _arrays(self) -> dict[str, NDArray[Any]]:
         return self.values
 
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        return self.values[one_of("observable", name, self.values)]
+    @overload
+    def __getitem__(self, key: str) -> NDArray[Any]: ...
+    @overload
+    def __getitem__(self, key: Any) -> Scan: ...
+    def __getitem__(self, key: Any) -> Any:
+        """An observable by its name; or some of the states, chosen as entries of an array of this shape are."""
+        if isinstance(key, str):
+            return self.values[one_of("observable", key, self.values)]
+        values, states = self._chosen(key)
+        return Scan(states or self.states, values)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.values)
@@ -139,39 +149,25 @@ def scan(
     >>> ex.scan(states, turns)["turns"].round(3)
     array([-0.362, -0.637,  3.327, -0.824, -0.436])
     """
+    from tqdm import tqdm
+
     require_states(states)
     jobs, batch = jobs_of("jobs", jobs), whole("batch", batch, 1, _MOST_BATCH)
     progress = None if progress is None else flag("progress", progress)
-    found = _computed(states, observable, _Work(jobs, batch, progress))
+    call, alone = _function_of("observable", observable)
+    hidden, wait = None if progress is None else not progress, 0 if progress else _PATIENCE
+    with tqdm(desc=alone, total=max(1, -(-len(states) // batch)), disable=hidden, delay=wait, leave=False) as bar:
+
+        def checked(rows: slice) -> dict[str, NDArray[Any]]:
+            found = _checked(call, states.at(rows), alone)
+            bar.update()
+            return found
+
+        found = in_parts(jobs, len(states), checked, batch)
     names = list(found[0])
     if any(list(part) != names for part in found):
         raise InputError("observable: the function returned other names for some states")
     return Scan(states, {name: _joined(name, [part[name] for part in found], states.shape) for name in names})
-
-
-class _Work(NamedTuple):
-    """Threads, states in a call, and whether a bar is shown."""
-
-    jobs: int
-    batch: int
-    progress: bool | None
-
-
-def _computed(states: States, observable: Observable, work: _Work) -> list[dict[str, NDArray[Any]]]:
-    """What the function returned, batch by batch."""
-    from joblib import Parallel, delayed
-    from tqdm import tqdm
-
-    call, alone = _function_of("observable", observable)
-    n, size = len(states), work.batch
-    parts = [np.arange(first, min(first + size, n)) for first in range(0, max(n, 1), size)]
-    made = Parallel(n_jobs=work.jobs, backend="threading", return_as="generator")(
-        delayed(_checked)(call, states.at(rows), alone) for rows in parts
-    )
-    hidden = None if work.progress is None else not work.progress
-    wait = 0 if work.progress else _PATIENCE
-    shown_by = tqdm(made, alone, len(parts), disable=hidden, delay=wait, unit="batch", leave=False)
-    return list(shown_by)
 
 
 def _function_of(flag: str, observable: Any) -> tuple[Callable[[States], Any], str]:

@@ -7,15 +7,15 @@ thread does that, and the one that hears signals waits for it.
 
 from __future__ import annotations
 
-import queue
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from concurrent.futures import FIRST_EXCEPTION, Future, wait
+from contextlib import contextmanager
 from functools import partial
-from typing import Generic, NamedTuple, TypeVar
+from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 Done = TypeVar("Done")
 
@@ -64,14 +64,6 @@ class _Here(threading.local):
     group: _Group | None = None  # that this thread works for
 
 
-class _Ended(NamedTuple, Generic[Done]):
-    """How a call ended: its place among the others, and its result in a list, or an error."""
-
-    place: int
-    result: list[Done]
-    error: BaseException | None
-
-
 _here = _Here()
 
 
@@ -83,21 +75,19 @@ def blocks(count: int, size: int = BLOCK) -> Iterator[slice]:
         yield slice(first, min(first + size, count))
 
 
-def in_parts(
-    jobs: int, count: int, call: Callable[[NDArray[np.intp]], Done], size: int | None = None
-) -> list[Done]:
-    """`call` on the numbers of up to `jobs` parts of `count` samples, in as many threads.
+def in_parts(jobs: int, count: int, call: Callable[[slice], Done], size: int | None = None) -> list[Done]:
+    """`call` on the rows of up to `jobs` parts of `count` samples, in as many threads.
 
     size: samples at a time; by default all of a part.
     """
+    ends = np.linspace(0, count, max(1, min(jobs, count)) + 1).astype(int).tolist()
 
-    def in_turn(part: NDArray[np.intp]) -> list[Done]:
-        return [call(part[rows]) for rows in blocks(part.size, size or max(part.size, 1))]
+    def in_turn(first: int, last: int) -> list[Done]:
+        parts = blocks(last - first, size or max(last - first, 1))
+        return [call(slice(first + rows.start, first + rows.stop)) for rows in parts]
 
-    parts = np.array_split(np.arange(count), max(1, min(jobs, count)))
-    if len(parts) == 1:
-        return in_turn(parts[0])
-    return [each for part in _side_by_side([partial(in_turn, part) for part in parts]) for each in part]
+    calls = [partial(in_turn, *part) for part in pairwise(ends)]
+    return [each for part in (_side_by_side(calls) if len(calls) > 1 else [calls[0]()]) for each in part]
 
 
 def attended(kernel: Callable[[], None], end: Callable[[], None] = lambda: None) -> None:
@@ -120,26 +110,24 @@ def _side_by_side(calls: Sequence[Callable[[], Done]]) -> list[Done]:
 
     Python does not wait for these threads where it ends.
     """
-    group, ended = _Group(), queue.SimpleQueue[_Ended[Done]]()
+    group, futures = _Group(), [Future[Done]() for _ in calls]
 
-    def run(place: int) -> None:
+    def run(call: Callable[[], Done], future: Future[Done]) -> None:
         _here.group = group
         try:
-            ended.put(_Ended(place, [calls[place]()], None))
+            future.set_result(call())
         except BaseException as error:
-            ended.put(_Ended(place, [], error))
+            future.set_exception(error)
 
-    found = dict[int, list[Done]]()
     try:
-        for place in range(len(calls)):
-            threading.Thread(target=run, args=(place,), daemon=True).start()
-        while len(found) < len(calls):
-            with suppress(queue.Empty):
-                place, result, error = ended.get(timeout=_HEARD)
-                if error is not None:
-                    raise error
-                found[place] = result
-    except BaseException as error:
+        for each in zip(calls, futures, strict=True):
+            threading.Thread(target=run, args=each, daemon=True).start()
+        left = set(futures)
+        while left:
+            ended, left = wait(left, _HEARD, FIRST_EXCEPTION)
+            for future in ended:
+                future.result()
+    except BaseException:
         group.leave()
-        raise error from None  # an interrupt may come while the queue is found empty, which is nobody's concern
-    return [found[place][0] for place in range(len(calls))]
+        raise
+    return [future.result() for future in futures]

@@ -31,7 +31,8 @@ from explorer.phase.results import status_names
 from explorer.phase.states import Array, States, columns_of, require_states
 
 ALL = ("phi", "chi", "psi", "path", "contact")  # what simulate gives where nothing else is asked for
-_TURNING = ("chi", "psi", "path", "contact")  # observables of which a curve is wrong where it misses a race
+_VECTORS = ("path", "contact")
+_TURNING = ("chi", "psi", *_VECTORS)  # observables of which a curve is wrong where it misses a race
 _MOST_TURNED = 1e4  # rad of chi at the start; what is added to a larger one is lost in its last digits
 _ROUNDED = 1.0 + 1e-15  # natural units and back may end a motion a hair after its t_end
 _MOST_STEPS = 10**9  # of one motion: an hour or so, and `steps` still counts them in 32 bits
@@ -109,7 +110,6 @@ class Trajectories:
     states: States
     _start: InitialValues
     _records: recording.Records | None
-    _turned: Array
     _jobs: int
 
     @property
@@ -130,6 +130,31 @@ class Trajectories:
     def __len__(self) -> int:
         """Number of motions."""
         return int(self.status.size)
+
+    def __getitem__(self, rows: Any) -> Trajectories:
+        """Some of the motions, chosen as entries of a flat array are: by a number, a slice, a mask or numbers.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> states = ex.constants_to_states(ex.Disk.uniform(), 1.0, [0.1, 1e-3, 1e-6], 1.0)
+        >>> ex.simulate(states, t_eval=[0.0, 1.0])[1:].phi.shape
+        (2, 2)
+        """
+        places, records = np.atleast_1d(np.arange(len(self))[rows]), self._records
+        each = ["status", "steps", "error_estimate", "lengths", *self.observables]
+        # Where curves have times of their own, they have as many as they have tilts.
+        first = getattr(self, self.observables[0])
+        if self.t.shape == first.shape[: first.ndim - (self.observables[0] in _VECTORS)]:
+            each.append("t")
+        return replace(
+            self,
+            **{name: getattr(self, name)[places] for name in each},
+            constants_error=self.constants_error[:, places],
+            states=self.states.at(places),
+            _start=self._start.at(places),
+            _records=records and records.at(places),
+        )
 
     def __call__(self, t: ArrayLike) -> Trajectories:
         """The motions at any times from 0 to `t_end`, also inside a race.
@@ -250,10 +275,7 @@ def simulate(
     >>> bool(abs(np.diff(motion.chi)).max() < 0.2), motion([2.0, 4.0]).phi.round(4)
     (True, array([[0.2749, 0.5152]]))
     """
-    motion = trajectories(states, t_end, t_eval, observables, method, accuracy, chi0, max_steps, jobs)
-    if t_eval is not None:
-        _warn_of_races(motion)
-    return motion
+    return trajectories(states, t_end, t_eval, observables, method, accuracy, chi0, max_steps, jobs, True)
 
 
 def trajectories(
@@ -266,8 +288,9 @@ def trajectories(
     chi0: float = 0.0,
     max_steps: int = MAX_STEPS,
     jobs: int = 1,
+    warns: bool = False,
 ) -> Trajectories:
-    """As `simulate`, for those who know what lies between their times: without a warning."""
+    """As `simulate`, which warns; those who know what lies between their times have no need of that."""
     require_states(states)
     end, times = _times(t_end, t_eval)
     names = [one_of("observable", name, (*_OTHERS, *ALL)) for name in words("observables", observables)]
@@ -276,13 +299,13 @@ def trajectories(
     how = plan(names, accuracy, method)
     chi0 = number("chi0", chi0, -_MOST_TURNED, _MOST_TURNED)
     start = recording.motions(states, how, chi0, whole("max_steps", max_steps, 1, _MOST_STEPS))
-    return _followed(states, start, (end, times), tuple(names), jobs_of("jobs", jobs))
+    return _followed(states, start, (end, times), tuple(names), jobs_of("jobs", jobs), warns)
 
 
 def trajectories_by(states: States, how: Plan, times: Array, observables: Sequence[str] = ALL) -> Trajectories:
     """As `simulate` at given times, by a plan that was made, which may name its setting."""
     start = recording.motions(states, how, 0.0, MAX_STEPS)
-    return _followed(states, start, (float(times[-1]), times), tuple(observables), 1)
+    return _followed(states, start, (float(times[-1]), times), tuple(observables))
 
 
 def finer(t: Array, parts: int) -> Array:
@@ -292,24 +315,30 @@ def finer(t: Array, parts: int) -> Array:
 
 
 def _followed(
-    states: States, start: InitialValues, until: tuple[float, Array | None], names: tuple[str, ...], jobs: int
+    states: States,
+    start: InitialValues,
+    until: tuple[float, Array | None],
+    names: tuple[str, ...],
+    jobs: int = 1,
+    warns: bool = False,
 ) -> Trajectories:
     """The motions from their starts. until: the end, and the times where these are given."""
     disk, (end, times), rows, records = states.disk, until, compiled.field.ROW, None
     if times is None:
-        records = recording.record(start, end * disk.rate_unit, jobs)
-        found, lengths, outcome = records.points[:10], records.lengths, records.outcome
+        records, outcome = recording.record(start, end * disk.rate_unit, jobs)
+        found, lengths = records.points[:10], records.lengths
         values = _observables(disk, found, names)
         values = {name: None if value is None else records.padded(value) for name, value in values.items()}
-        times, turned = records.padded(found[rows.t] * disk.time_unit), np.zeros(len(states))
+        times = records.padded(found[rows.t] * disk.time_unit)
     else:
         sampled, outcome = recording.sample(start, times * disk.rate_unit, jobs)
         found = np.moveaxis(sampled, -1, 0)
         values = _observables(disk, found, names)
         lengths = np.where(outcome.status == compiled.status.Status.OK, times.size, 0)
-        turned = abs(np.diff(found[rows.chi])).max(axis=1, initial=0.0)
+        if warns and set(names) & set(_TURNING):
+            _warn_of_races(abs(np.diff(found[rows.chi])).max(axis=1, initial=0.0))
     known = {**values, **outcome._asdict(), "lengths": lengths, "t_end": end, "states": states}
-    return Trajectories(times, **known, _start=start, _records=records, _turned=turned, _jobs=jobs)
+    return Trajectories(times, **known, _start=start, _records=records, _jobs=jobs)
 
 
 def _times(t_end: float | None, t_eval: ArrayLike | None) -> tuple[float, Array | None]:
@@ -354,15 +383,14 @@ def _observables(disk: Disk, states: Array, names: Sequence[str]) -> dict[str, A
     return {name: make() if name in names else None for name, make in values.items()}
 
 
-def _warn_of_races(motion: Trajectories) -> None:
-    """Warn where a curve of the observables would miss turns of the contact point."""
-    turned = motion._turned  # the most between two times of each
+def _warn_of_races(turned: Array) -> None:
+    """Warn where a curve would miss turns of the contact point. turned: the most between two times of each."""
     missed = int(np.sum(turned > _COARSE))
-    if missed and any(getattr(motion, name) is not None for name in _TURNING):
+    if missed:
         warnings.warn(
-            f"t_eval: in {missed:,} of {len(motion):,} motion(s) chi turns by more than pi/2 between two times, "
+            f"t_eval: in {missed:,} of {turned.size:,} motion(s) chi turns by more than pi/2 between two times, "
             f"by up to {np.nanmax(turned):.3g} rad, and a curve through them would miss races; leave t_eval out "
             "for times as dense as the motion needs, and call the result with your own",
             CoarseTimesWarning,
-            stacklevel=3,
+            stacklevel=5,
         )

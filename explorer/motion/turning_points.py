@@ -41,12 +41,9 @@ def tilt_of(states: Array) -> Array:
     return np.asarray(np.arctan2(q, abs(z)))
 
 
-def turning_points(states: States, how: Plan, slow: Array | float = 1.0) -> TurningPoints:
-    """Follow every state forward to its next turning point, held to its sigma3_bar and eta.
-
-    slow: how many times as much each amplifies errors as a quick motion does.
-    """
-    amplified = np.asarray(slow)
+def turning_points(states: States, how: Plan) -> TurningPoints:
+    """Follow every state forward to its next turning point, held to its sigma3_bar and eta."""
+    amplified = precision.amplification(precision.speed_at_vertical(states.disk, states.motion))
     given = integration.InitialValues(
         *(states.disk, how, states.natural, states.motion, status_at_start(states)),
         np.full(len(states), how.control),
@@ -54,9 +51,7 @@ def turning_points(states: States, how: Plan, slow: Array | float = 1.0) -> Turn
 
     def estimate(found: integration.Followed, rows: Any) -> Array:
         ended = found.out[:, 0].T
-        error = precision.estimate(
-            states.disk, how, found.moved, ended, np.broadcast_to(amplified, len(states))[rows], precision.PASSAGE
-        )
+        error = precision.estimate(states.disk, how, found.moved, ended, amplified[rows], precision.PASSAGE)
         hidden = ended[compiled.field.ROW.t] > precision.LINGERS
         if how.adaptive:
             hidden |= found.steps <= precision.FEW

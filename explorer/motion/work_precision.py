@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion.calibration import SAFETY, SETTINGS
-from explorer.motion.plan import LOOSEST, TIGHTEST
+from explorer.motion.plan import LOOSEST, TIGHTEST, Plan
 from explorer.motion.reference_samples import ANY_ERROR, ReferenceSamples, Tried
 
 STAGES = {"rk4": 4, "rk8": 12, "dopri5": 7, "dop853": 12}
 # What all methods are asked for, and quadrature at its best besides.
-ASKED = tuple(10.0 ** -np.arange(2.0, 10.1, 2.0))
+ASKED = tuple((10.0 ** -np.arange(2.0, 10.1, 2.0)).tolist())
 OF_QUADRATURE = (*ASKED, 1e-11)
 # Errors nearer to each other than this ratio are the same: two samplings differ by a fifth, and at rounding a
 # finer setting gains as little.
@@ -25,8 +25,6 @@ _SAME = 1.5
 # undisturbed round is enough.
 _ROUNDS, _ENOUGH = 4, 0.3
 ROUNDING = 1e-14  # errors below are one
-# Errors of rounding where methods are calibrated, and the settings above them from which the order is taken.
-_LEAST, _NEAR_LEAST, _OF_ORDER = 1e-12, 3.0, 3
 Errors = dict[tuple[str, float], float]  # by method and setting
 
 
@@ -104,12 +102,12 @@ def measure(samples: ReferenceSamples, say: Callable[[str], None] = lambda text:
     count, known = samples.known.size, int(samples.known.sum())
     rows, asked = list[tuple[Row, Call]](), list[tuple[Row, Call]]()
     if not samples.in_time:
-        rows += [_at_accuracy(samples, "quadrature", accuracy) for accuracy in OF_QUADRATURE]
+        rows += [_row(samples, samples.plan("quadrature", accuracy)) for accuracy in OF_QUADRATURE]
         asked += rows[: len(ASKED)]
     for method, settings in SETTINGS.items():
         say(f"measuring {count:,} {samples.kind} by {method}")
         rows += [_at_setting(samples, method, float(setting)) for setting in settings]
-        asked += [_at_accuracy(samples, method, accuracy) for accuracy in ASKED if accuracy >= TIGHTEST[method]]
+        asked += [_row(samples, samples.plan(method, asks)) for asks in ASKED if asks >= TIGHTEST[method]]
     say(f"timing {samples.kind}")
     seconds = _least_times([call for _, call in rows + asked])
     timed = [
@@ -142,38 +140,31 @@ def _at_setting(samples: ReferenceSamples, method: str, setting: float) -> tuple
     """An integrator at one setting: its errors where none is refused, and what users then meet."""
     tried = _without_refusals(samples, method, setting)
     accuracy = float(np.clip(SAFETY * _quantiles(tried, samples.known)[1], TIGHTEST[method], LOOSEST))
-    call = partial(samples.call, samples.plan(method, accuracy, setting))
-    return _row(samples, method, setting, accuracy, tried, samples.compare(call(), accuracy)), call
+    return _row(samples, samples.plan(method, accuracy, setting), tried)
 
 
-def _at_accuracy(samples: ReferenceSamples, method: str, accuracy: float) -> tuple[Row, Call]:
-    """A method as `--accuracy` sets it."""
-    call = partial(samples.call, samples.plan(method, float(accuracy)))
-    met = samples.compare(call(), accuracy)
-    return _row(samples, method, float(accuracy), float(accuracy), met, met), call
-
-
-def _row(
-    samples: ReferenceSamples, method: str, setting: float, accuracy: float, errors: Tried, met: Tried
-) -> Row:
-    """The row of what was tried: its errors, and what became of the samples at that accuracy."""
-    known, code = samples.known, compiled.status.Status
-    steps = 0.0 if errors.steps is None else STAGES.get(method, 0) * float(errors.steps[known].mean())
+def _row(samples: ReferenceSamples, how: Plan, tried: Tried | None = None) -> tuple[Row, Call]:
+    """A plan: its errors, or those that were tried, what becomes of the samples, and the call that is timed."""
+    call, known, code = partial(samples.call, how), samples.known, compiled.status.Status
+    met = samples.compare(call(), how.accuracy)
+    errors = met if tried is None else tried
+    median, p99, largest = _quantiles(errors, known)
     unresolved = met.status[known] == code.UNRESOLVED_SIDE
-    refused = (met.status[known] != code.OK) & ~unresolved
-    wrong = int((met.wrong_way & known & (met.status == code.OK)).sum())
-    shares = float(unresolved.mean()), float(refused.mean())
-    return Row(
-        samples.kind,
-        method,
-        setting,
-        accuracy,
-        *_quantiles(errors, known),
-        steps,
-        np.inf,
-        *shares,
-        wrong_way=wrong,
+    row = Row(
+        kind=samples.kind,
+        method=how.method,
+        setting=how.accuracy if how.setting is None else how.setting,
+        accuracy=how.accuracy,
+        median=median,
+        p99=p99,
+        largest=largest,
+        evaluations=0.0 if errors.steps is None else STAGES.get(how.method, 0) * float(errors.steps[known].mean()),
+        nanoseconds=np.inf,
+        unresolved=float(unresolved.mean()),
+        refused=float(((met.status[known] != code.OK) & ~unresolved).mean()),
+        wrong_way=int((met.wrong_way & known & (met.status == code.OK)).sum()),
     )
+    return row, call
 
 
 def _quantiles(tried: Tried, known: NDArray[np.bool_]) -> tuple[float, float, float]:
@@ -226,12 +217,7 @@ def largest_errors(measured: Iterable[list[Row]], others: Iterable[Errors]) -> E
 
 
 def curves(costs: Measured, errors: Errors) -> dict[str, list[tuple[float, float] | None]]:
-    """The table of one kind for `calibration`: error and nanoseconds at SETTINGS, None where they gain nothing.
-
-    No setting lowers errors of rounding: those below _LEAST, or within _NEAR_LEAST of the least of any method, as
-    slow starts round more. There a method's order is continued instead, to its last setting that gains.
-    """
-    rounding = max(_LEAST, _NEAR_LEAST * min((error for error in errors.values() if error > 0.0), default=_LEAST))
+    """The table of one kind for `calibration`: error and nanoseconds at SETTINGS, None where they gain nothing."""
     table = {}
     for method, settings in SETTINGS.items():
         rows = [
@@ -240,11 +226,5 @@ def curves(costs: Measured, errors: Errors) -> dict[str, list[tuple[float, float
             if row.method == method
         ]
         best = {row.setting: (row.p99, row.nanoseconds) for row in best_of(rows)}
-        above = [setting for setting, (error, _) in best.items() if error > rounding]
-        if len(above) >= _OF_ORDER:
-            first, last = above[-_OF_ORDER], above[-1]
-            order = np.log(best[last][0] / best[first][0]) / np.log(last / first)
-            for setting in best.keys() - above:
-                best[setting] = best[last][0] * float(setting / last) ** float(order), best[setting][1]
         table[method] = [best.get(float(setting)) for setting in settings]
     return table

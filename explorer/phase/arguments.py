@@ -8,16 +8,14 @@ are refused. What was given is never changed.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, double_of, number, shown, suggest
+from explorer.errors import InputError, double_of, number, shown
 
 Array = NDArray[np.float64]
-K = TypeVar("K")
 _LARGEST_TABLE = 10**9  # entries to which arguments may broadcast: 8 GB for each column
 
 
@@ -134,16 +132,3 @@ def returned_numbers(name: str, value: Any) -> NDArray[Any]:
     if given.dtype.kind not in "fiub":
         raise InputError(f"{name}: the function returned {shown(value)}; let it return real numbers")
     return given
-
-
-def known_keywords(what: str, given: Iterable[str], known: Collection[str]) -> None:
-    """Raise InputError, with the nearest one, for a keyword that `what` does not take."""
-    for name in given:
-        if name not in known:
-            raise InputError(f"{what}: takes no {name!r}; {suggest(name, known)}")
-
-
-def keywords_of(what: str, given: Mapping[str, Any], kind: Callable[..., K], known: Collection[str]) -> K:
-    """Keywords as the NamedTuple that has them, with its defaults. Raises InputError for one that is not known."""
-    known_keywords(what, given, known)
-    return kind(**given)

@@ -7,15 +7,15 @@ and spin, with constants of motion in place of sigma3 and sigma4, or with the en
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple, TypedDict, TypeVar, Unpack
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from explorer.errors import InputError, flag, one_of
-from explorer.phase.arguments import read_columns
+from explorer.phase.arguments import column, read_columns
 from explorer.phase.columns import ANGLE, COLUMNS, RATE
 from explorer.phase.disk import Disk, require_axial_inertia, require_disk
 from explorer.phase.energy import energy_at
@@ -25,26 +25,6 @@ from explorer.phase.states import Array, States, StateWarning, phi_to_states, th
 T = TypeVar("T")
 # What may stand for the spins.
 _SPINS = (("sigma3", "sigma4"), ("sigma3_bar", "sigma4_bar"), ("sigma3_bar", "eta_hat"))
-
-
-class Coordinates(TypedDict, total=False):
-    """Keywords of `coordinates_to_states`; see there which of them make a complete set."""
-
-    phi: ArrayLike
-    phidot: ArrayLike
-    theta: ArrayLike
-    thetadot: ArrayLike
-    tilt: ArrayLike
-    tilt_rate: ArrayLike
-    precession: ArrayLike
-    spin: ArrayLike
-    energy: ArrayLike
-    sigma3: ArrayLike
-    sigma4: ArrayLike
-    sigma3_bar: ArrayLike
-    sigma4_bar: ArrayLike
-    eta_hat: ArrayLike
-    face: ArrayLike
 
 
 def rates_to_states(
@@ -101,20 +81,31 @@ def rates_to_states(
     -----
     sigma3 = sin^2(tilt) * precession and sigma4 = spin: eqs (2.14), (2.31) of Cushman & Duistermaat (2006).
     """
+    given = {"tilt": tilt, "precession": precession, "spin": spin, "tilt_rate": tilt_rate, "face": face}
+    (angle, turn, own, rate, down), shape = read_columns(given)
+    if flag("degrees", degrees):
+        angle, turn, own, rate = (np.radians(column) for column in (angle, turn, own, rate))
+    warn_of_tilts(angle, degrees)
+    return replace(from_rates(disk, angle, turn, own, rate, down), shape=shape)
+
+
+def from_rates(
+    disk: Disk,
+    tilt: ArrayLike,
+    precession: ArrayLike,
+    spin: ArrayLike,
+    tilt_rate: ArrayLike = 0.0,
+    face: ArrayLike = 1,
+) -> States:
+    """The same without a warning, for states in rad that are drawn or known.
+
+    A disk whose tilt_rate is not said is at the highest or the lowest point of its motion.
+    """
     given = {"tilt": tilt, "tilt_rate": tilt_rate, "precession": precession, "spin": spin, "face": face}
     (angle, rate, turn, own, down), shape = read_columns(given)
-    if flag("degrees", degrees):
-        angle, rate, turn, own = (np.radians(column) for column in (angle, rate, turn, own))
-    _warn_of_tilts(angle, degrees)
-    return replace(from_rates(disk, (angle, rate, turn, own), down), shape=shape)
-
-
-def from_rates(disk: Disk, columns: Sequence[Array], face: Array) -> States:
-    """States of flat columns tilt, tilt_rate, precession and spin (rad)."""
-    angle, rate, turn, own = columns
     with np.errstate(all="ignore"):
         sigma3 = np.sin(angle) ** 2 * turn
-    return theta_to_states(disk, angle, rate, sigma3, own, face)
+    return replace(theta_to_states(disk, angle, rate, sigma3, own, down), shape=shape)
 
 
 def warn_of_degrees(angle: Array, stacklevel: int = 3) -> bool:
@@ -131,9 +122,9 @@ def warn_of_degrees(angle: Array, stacklevel: int = 3) -> bool:
     return suspicious
 
 
-def _warn_of_tilts(angle: Array, degrees: bool) -> None:
+def warn_of_tilts(angle: Array, degrees: bool = False, stacklevel: int = 3) -> None:
     """Warn of tilts (rad) that are none, and, unless degrees were said, of such as look like them."""
-    if not degrees and warn_of_degrees(angle, 4):
+    if not degrees and warn_of_degrees(angle, stacklevel + 1):
         return
     outside = angle[~((angle > 0.0) & (angle < np.pi))]
     if outside.size:
@@ -141,11 +132,11 @@ def _warn_of_tilts(angle: Array, degrees: bool) -> None:
             f"tilt: {outside.size:,} of {angle.size:,} lie outside 0 to pi, {outside[0]:g} rad for instance, and "
             "are no states (bad_input); a tilt is above 0, and face=-1 says that the other face would come down",
             StateWarning,
-            stacklevel=3,
+            stacklevel=stacklevel,
         )
 
 
-def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> States:
+def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
     """States from any complete set of coordinates and constants of motion.
 
     Parameters
@@ -174,6 +165,11 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
     InputError
         Where the names do not make a complete set, or an argument is not a number.
 
+    Warns
+    -----
+    StateWarning
+        As `rates_to_states`.
+
     Examples
     --------
     >>> import explorer as ex
@@ -190,6 +186,8 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
     if not {"theta", "tilt"} & given.keys():
         given.setdefault("phi", 0.0)
     chart, values = chart_of("coordinates", given, 0.0)
+    if "tilt" in values:
+        warn_of_tilts(column("tilt", values["tilt"]))
     return chart.make(disk, **values)
 
 
@@ -256,25 +254,11 @@ class Chart(NamedTuple):
     def states(self, disk: Disk, columns: Mapping[str, Array], degrees: bool = False) -> States:
         """The states of a table. degrees: whether angles and rates are in degrees; energies never are."""
         used = {name: columns[name] for name in self.present(columns)}
-        if "tilt" in used and not degrees:
-            warn_of_degrees(used["tilt"])
         if degrees:
             used |= {name: np.radians(used[name]) for name in self.in_radians(used)}
+        if "tilt" in used:
+            warn_of_tilts(used["tilt"], degrees)
         return self.make(disk, **used)
-
-
-def _from_rates(
-    disk: Disk,
-    tilt: ArrayLike,
-    precession: ArrayLike,
-    spin: ArrayLike,
-    tilt_rate: ArrayLike = 0.0,
-    face: ArrayLike = 1,
-) -> States:
-    """A disk whose tilt_rate is not said is at the highest or the lowest point of its motion."""
-    given = {"tilt": tilt, "tilt_rate": tilt_rate, "precession": precession, "spin": spin, "face": face}
-    (*columns, down), shape = read_columns(given)
-    return replace(from_rates(disk, columns, down), shape=shape)
 
 
 # In the order in which they are tried: what says most directly where the disk is comes first. The angle phi may be
@@ -282,7 +266,7 @@ def _from_rates(
 CHARTS = (
     Chart(("phi", "phidot", "sigma3", "sigma4"), (), phi_to_states),
     Chart(("theta", "thetadot", "sigma3", "sigma4", "face"), ("face",), theta_to_states),
-    Chart(("tilt", "tilt_rate", "precession", "spin", "face"), ("tilt_rate", "face"), _from_rates),
+    Chart(("tilt", "tilt_rate", "precession", "spin", "face"), ("tilt_rate", "face"), from_rates),
     Chart(("phi", "energy", "sigma3", "sigma4"), (), _from_constants),
     Chart(("phi", "phidot", "sigma3_bar", "eta_hat", "face"), ("phi", "face"), _from_constants),
     Chart(("phi", "energy", "sigma3_bar", "eta_hat", "face"), ("phi", "face"), _from_constants),

@@ -41,7 +41,7 @@ class Motion(NamedTuple):
         """A bound of the rounding error of that eta."""
         return np.where(plus, self.rounding_plus, self.rounding_minus)
 
-    def at(self, rows: NDArray[Any]) -> "Motion":
+    def at(self, rows: NDArray[Any] | slice) -> "Motion":
         """Some of them."""
         return Motion(*(column[rows] for column in self))
 

@@ -2,9 +2,10 @@
 
 import html
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import fields, replace
 from functools import cache
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from explorer.phase.disk import Disk
 if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
+
+    from explorer.phase.states import States
 
 _SHOWN = 6  # columns whose medians the description gives: what fits on a screen beside code
 _COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
@@ -53,6 +56,16 @@ class Table:
     def columns(self) -> dict[str, NDArray[Any]]:
         """All arrays by name, the arguments first."""
         return self._arrays()
+
+    def _chosen(self, rows: Any) -> "tuple[dict[str, NDArray[Any]], States | None]":
+        """Arrays of some samples, chosen as entries of an array of this shape are, and the states of these."""
+        places = np.atleast_1d(np.arange(self.size).reshape(self.shape)[rows])
+        flat = {name: v.reshape(self.size, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
+        states = getattr(self, "states", None)
+        if states is not None:
+            each = states.at(places.ravel() // max(self.size // max(len(states), 1), 1))
+            states = replace(each, shape=places.shape)
+        return {name: values[places] for name, values in flat.items()}, states
 
     def _flat(self) -> dict[str, NDArray[Any]]:
         """Columns with one entry for each sample; a vector becomes several, `path` path_x, path_y and path_z."""
@@ -125,6 +138,9 @@ class Table:
         return f"<table><caption>{html.escape(self._title())}</caption>{rows}</table>"
 
 
+R = TypeVar("R", bound="Result")
+
+
 class Result(Table):
     """Base class of results: a dataclass with one array for each column, all of one shape, `status` among them.
 
@@ -142,15 +158,10 @@ class Result(Table):
 
     def __getitem__(self, rows: Any) -> Self:
         """Some of the samples, chosen as entries of an array of this shape are: by a number, a slice or a mask."""
-        places = np.atleast_1d(np.arange(self.size).reshape(self.shape)[rows])
-        arrays = {
-            name: v.reshape(self.size, *v.shape[len(self.shape) :])[places] for name, v in self._arrays().items()
-        }
-        states = getattr(self, "states", None)
+        arrays, states = self._chosen(rows)
         if states is None:
             return replace(self, **arrays)  # type: ignore[type-var]
-        each = states.at(places.ravel() // max(self.size // max(len(states), 1), 1))
-        return replace(self, **arrays, states=replace(each, shape=places.shape))  # type: ignore[type-var]
+        return replace(self, **arrays, states=states)  # type: ignore[type-var]
 
     @property
     def ok(self) -> NDArray[np.bool_]:
@@ -185,6 +196,21 @@ class Result(Table):
         arrays = {name: v.reshape(*shape, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
         return replace(self, **arrays)  # type: ignore[type-var]
 
+    def among(self, rows: NDArray[np.intp], status: NDArray[np.int8]) -> Self:
+        """This result of some rows among all; what is not OK keeps its status alone, and else is NaN, 0 or False.
+
+        status: of all rows, before this result was found for some of them.
+        """
+        told = np.empty((status.size, *self.shape[1:]), np.int8)
+        told[:] = status.reshape(-1, *(1,) * (told.ndim - 1))
+        told[rows] = self.status
+        arrays: dict[str, NDArray[Any]] = {}
+        for name, values in self._arrays().items():
+            blank = np.array(np.nan if values.dtype.kind == "f" else 0, values.dtype)
+            arrays[name] = np.full(told.shape, blank)
+            arrays[name][rows] = np.where(self.ok, values, blank)
+        return replace(self, **arrays | {"status": told})  # type: ignore[type-var]
+
     def _good(self) -> NDArray[np.bool_]:
         return self.ok
 
@@ -196,6 +222,15 @@ class Result(Table):
         said = ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "no samples"
         remedies = [(name, compiled.status.Status[name.upper()].remedy) for name in counts if name != "ok"]
         return [("status", said + of), *remedies, *numbers]
+
+
+def joined(parts: Sequence[R]) -> R:
+    """The results of parts of samples, one after another along their first axis."""
+    if len(parts) == 1:
+        return parts[0]
+    arrays = [part._arrays() for part in parts]
+    columns = {name: np.concatenate([each[name] for each in arrays]) for name in arrays[0]}
+    return replace(parts[0], **columns)  # type: ignore[type-var]
 
 
 def unit_of(name: str, disk: Disk | None = None) -> str:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import InputError, flag, number
 from explorer.phase.arguments import read_columns
-from explorer.phase.coordinates import from_rates, warn_of_degrees
+from explorer.phase.coordinates import from_rates, warn_of_tilts
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.potential import curvature_of
 from explorer.phase.results import Result
@@ -91,7 +91,7 @@ def steady_motions(
     Warns
     -----
     StateWarning
-        Where all tilts lie beyond upright, which suggests that they are in degrees.
+        As `rates_to_states`.
 
     Notes
     -----
@@ -115,8 +115,7 @@ def steady_motions(
     (angle, rate, down), shape = read_columns({"tilt": tilt, "precession": precession, "face": face})
     if flag("degrees", degrees):
         angle, rate = np.radians(angle), np.radians(rate)
-    else:
-        warn_of_degrees(angle)
+    warn_of_tilts(angle, degrees)
     b, unit, code = disk.body, disk.rate_unit, compiled.status.Status
     with np.errstate(all="ignore"):
         phi, turn = down * (0.5 * np.pi - angle), rate / unit
@@ -126,7 +125,7 @@ def steady_motions(
         radius = disk.r * (spin / turn - z)
         stable = curvature_of(q, z, turn * q * q, spin, b) > 0.0
         good = (abs(phi) < 0.5 * np.pi) & (abs(down) == 1.0) & np.isfinite(spin) & np.isfinite(radius)
-    states = from_rates(disk, (np.where(good, angle, np.nan), np.zeros_like(angle), rate, spin * unit), down)
+    states = from_rates(disk, np.where(good, angle, np.nan), rate, spin * unit, 0.0, down)
     found = SteadyMotions(
         tilt=angle,
         precession=rate,

@@ -58,8 +58,8 @@ _SAME = 1e-9  # of an energy: nearer levels are one
 
 @picture(
     Question.WHICH_MOTIONS,
-    "The tilt of steady motions along a path in the plane of constants, solid where stable and broken where "
-    "unstable. At the threshold a branch appears, ends or changes its stability.",
+    "The tilt of steady motions along a path in the plane of constants, solid where they are stable and dashed "
+    "where they are not. At the thin vertical line a branch appears, ends or changes its stability.",
     group="phase",
     portraits=lambda asked: [(f"steady-{path}", (asked.disk, path)) for path in PATHS],
 )
@@ -94,9 +94,10 @@ def bifurcation_of_tilts(ax: Axes, disk: Disk, path: str) -> None:
 
 @picture(
     Question.WHICH_MOTIONS,
-    "Which motions there are, by energy, along a path in the plane of constants. The energies of stable and of "
-    "unstable steady motions and, on l₊, V₀, above which the disk can reach flat, cut the plane into regions. The "
-    "letters are places whose motions are drawn in portraits of the regions.",
+    "Which motions there are, by energy, along a path in the plane of constants. Up to three kinds of curve cut "
+    "the plane into regions: the energies of stable steady motions, those of unstable ones, and, on l₊, the "
+    "energy V₀ above which the disk can reach flat. For each letter there is a phase portrait in the picture of "
+    "the regions.",
     group="bifurcation",
     portraits=lambda asked: [(f"bifurcation-{path}", (asked.disk, path)) for path in _DRAWN],
 )
@@ -152,9 +153,9 @@ def bifurcation_of_energies(
 
 @picture(
     Question.WHICH_MOTIONS,
-    "The motions of the tilt at one place of each region of energies along a path, those of the place's energy "
-    "drawn thick: titles say what these do. On violet ground the disk falls; elsewhere it goes to and fro, in one "
-    "of two wells where there are two and the energy is little.",
+    "One panel for each lettered region of energies along a path. The thick curves are the motions with the "
+    "energy of the letter, and the title says what they do. On violet ground the disk falls; elsewhere it goes "
+    "to and fro. If there are two wells and the energy is small, it stays in one of them.",
     (SIZE[0], 5.2),
     "bifurcation",
     lambda asked: [(f"regions-{path}", (asked.disk, path)) for path in _DRAWN],

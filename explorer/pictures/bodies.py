@@ -24,8 +24,8 @@ _NEAR = 1e-12
     Question.HOW_FAR,
     "Above, the race number κ against mr²/I₁: near F the contact point races round the rim by κ half turns. "
     "Circles are measured on passages near F and lie on the curve. At the diamonds κ is a whole number. Below, "
-    "how far apart the two limit motions leave a fall, as a distance on the circle: at the diamonds it is zero, "
-    "and both sides of F have the same limit.",
+    "the angle between the directions in which the two limit motions rise, whole turns left out: at the diamonds "
+    "it is zero, and both sides of F have the same limit.",
     (SIZE[0], 7.2),
     "race",
 )

@@ -135,9 +135,9 @@ def _path(ax: Axes, path: Array, colour: str, style: Any) -> None:
 
 @picture(
     Question.HOW_FAR,
-    "The angle by which the contact point has raced, in units of κ, against the time from the flattest moment, "
-    "stretched by the impact speed A over the smallest tilt. Over many decades of the distance from F all races "
-    "are one curve, the arctangent, up on one side of F and down on the other.",
+    "The angle by which the contact point has raced, in units of κ, against At/θ_min, where t is the time from "
+    "the flattest moment, A the speed of impact and θ_min the smallest tilt. Over many decades of the distance "
+    "from F all races are one curve, the arctangent, up on one side of F and down on the other.",
     group="limit",
 )
 def race_collapse(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 1e-2, 1e-4, 1e-8)) -> None:
@@ -163,10 +163,10 @@ def race_collapse(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 1e-2, 1
 
 @picture(
     Question.HOW_FAR,
-    "Motions near F by two rates that stay bounded at flat: that of the tilt, and ρ, that of the contact point "
-    "along the rim, over κ. The nearer to F, the closer they keep to one orbit of the flat state, half of a "
-    "circle from the impact at −A to the rise at +A, one half for each side of F. This orbit is the race, and the "
-    "angle along it is ±κπ.",
+    "Motions near F, drawn by two rates that stay bounded at flat: the rate of the tilt, and ρ/κ, where ρ is the "
+    "speed of the contact point along the rim. The nearer to F, the closer they keep to one orbit of the flat "
+    "state, half of a circle from the impact at −A to the rise at +A, one half for each side of F. This orbit is "
+    "the race, and the angle along it is ±κπ.",
     group="limit",
 )
 def blow_up(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.01, 0.001)) -> None:

@@ -31,9 +31,10 @@ _LIMIT: dict[str, Any] = {"color": LAW, "lw": 0.9, "ls": ":"}
 
 @picture(
     Question.EACH_SIDE,
-    "How far motions are from the limit motion of their own side, against their distance from F. Coloured lines "
-    "are medians over the starts, on the worse side; the broken one is the farthest of all bodies and starts. "
-    "Below 0.01 they fall about as steeply as η ln(1/η), the dotted line, whose height is free.",
+    "How far motions are from the limit motion of their own side, against their distance from F. Each coloured "
+    "line is the median over the starts, on the side where it is larger; the dashed line is the largest distance "
+    "of all bodies and starts. Below 0.01 they fall about as steeply as η ln(1/η), the dotted line, whose height "
+    "is free.",
 )
 def one_sided_distance(ax: Axes, summary: dict[str, Any]) -> None:
     """Draw the distance to the limit motion of the same side against |eta_hat|, of the worse side, for each disk.
@@ -72,8 +73,9 @@ def _by_size(values: dict[float, float]) -> tuple[Array, Array]:
 
 @picture(
     Question.EACH_SIDE,
-    "Tilt and angle of contact along one motion on both sides of F. Both fall and rise alike, but where the disk "
-    "is nearly flat the contact point races: κπ forwards on one side of F, κπ backwards on the other.",
+    "Tilt and angle of contact of two motions that start almost alike, one on each side of F. Both fall and rise "
+    "alike, but where the disk is nearly flat the contact point races: κπ forwards on one side of F, κπ "
+    "backwards on the other.",
     (SIZE[0], 6.4),
 )
 def one_sided_motion(figure: Figure, both: BothSides) -> None:
@@ -118,7 +120,7 @@ def angle_of_contact(ax: Axes, both: BothSides, side: int, chi0: float = 0.0) ->
     Question.EACH_SIDE,
     "The path of the contact point on the table, seen from above, on both sides of F; arrows show the motion. "
     "Both start alike, race round the same circle in opposite senses where the disk nearly falls, and leave in "
-    "directions that differ by 2κπ: in the same one where that is a number of whole turns.",
+    "directions that differ by 2κπ. If 2κπ is a whole number of turns, this is the same direction.",
 )
 def contact_paths(ax: Axes, both: BothSides) -> None:
     """Draw the path of the contact point seen from above, as `explorer.both_sides` gives it.

@@ -50,9 +50,9 @@ Curve = tuple[Array, Array]
 
 @picture(
     Question.WHICH_MOTIONS,
-    "The motions of the tilt at given constants of motion, as levels of the energy. On the line l₊ a motion "
-    "runs into the flat state; just beside the line a wall throws it back, and a separatrix parts the well "
-    "from the rest.",
+    "The motions of the tilt at given constants of motion, as levels of the energy. On the line l₊ a motion runs "
+    "into the flat state; just beside the line a wall throws it back, and one curve, the separatrix, separates "
+    "the motions that stay in the valley of the potential from all others.",
     group="phase",
     portraits=lambda asked: [
         (f"portrait-{name}", (each, asked.energy))
@@ -179,10 +179,11 @@ def _name(potential: Potential) -> str:
 
 @picture(
     Question.WHICH_MOTIONS,
-    "The same motions on both sides of F, blue and vermilion, in two planes. Left, the tilt φ and its rate: the "
-    "sides are alike, and both turn back just before flat. Right, the speed of the contact point along the rim, "
-    "ρ = σ₃/cos φ, against the rate of the tilt: near flat each motion runs along half of an ellipse, and the two "
-    "halves are the races, in opposite directions. The loops inside, alike on both sides, are the far turn.",
+    "The same motions on both sides of F, blue and vermilion, in two planes. Left, the angle φ to the vertical "
+    "and its rate: the sides are alike, and both turn back just before flat. Right, the speed of the contact "
+    "point along the rim, ρ = σ₃/cos φ, against the rate of the tilt: near flat each motion runs along half of "
+    "an ellipse, and the two halves are the races, in opposite directions. The loops inside, alike on both "
+    "sides, are where the disk turns back at the other end of its swing.",
     (SIZE[0], 4.2),
     "phase",
     lambda asked: [

@@ -13,9 +13,9 @@ _OF_ANY = "0.4"  # lines in a legend that are drawn of each body, in its colour
 
 @picture(
     Question.HOW_FAR,
-    "The turn of the contact point per bounce, from one flattest moment to the next, against the energy of "
-    "rocking, above E₀, the least one off F. A disk that barely rocks turns as the Euler disk does, dotted; one "
-    "with the energy to stand up races by κ half turns, broken.",
+    "The turn of the contact point per bounce, from one flattest moment to the next, against the energy above "
+    "E₀, the least energy that a motion at this distance from F can have. A disk that barely rocks turns as "
+    "Euler's disk does (dotted line); one with the energy to stand up races by κ half turns (dashed line).",
     group="bounces",
 )
 def rocking(ax: Axes, disk: Disk) -> None:

@@ -22,7 +22,8 @@ from explorer.pictures.style import DARK, SIGNED_COLOURS, SMALL, TEXT, colour_ba
     Question.WHERE_TO,
     "By how many turns the contact point advances in one period, over the constants of motion at one energy: "
     "green one way, violet the other. The turns jump at the lines l₊ and l₋, where the disk comes flat, by twice "
-    "the race. At thin lines with a number, resonances, they are whole and the disk may wander off without bound.",
+    "the race. On the thin numbered lines, the resonances, the number of turns is whole, and the disk may wander "
+    "off without bound.",
     group="rotation",
 )
 def rotation(ax: Axes, disk: Disk, energy: float = 2.0, points: int = 300) -> None:

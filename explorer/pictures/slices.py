@@ -65,8 +65,9 @@ def colour_tilt(ax: Axes, x: Array, y: Array, theta: Array, method: str) -> None
 @picture(
     Question.FROM_WHERE,
     "How flat the disk comes, for every start in a plane of the phase space. The bright valleys are the falling "
-    "set F, and the broken lines on them are F as the algebra gives it. Where the colour steps, motions change to "
-    "another well: F ends there, and thin lines go on where η is 0 and the disk does not fall.",
+    "set F, and the dashed lines on them are F as the algebra gives it. Where the colour changes abruptly, the "
+    "motion belongs to another valley (well) of the potential: F ends there, and thin lines go on where η is 0 "
+    "and the disk does not fall.",
 )
 def slice_of_tilts(ax: Axes, cut: SliceMap) -> None:
     """Draw theta_min on what `explorer.slice_map` returned, and the exact falling set over it.
@@ -125,9 +126,9 @@ def _zero_line(ax: Axes, cut: SliceMap, values: Array, style: object, width: flo
 @picture(
     Question.FROM_WHERE,
     "Which way the contact point races, for every start in a plane of the phase space: blue on one side of F, "
-    "vermilion on the other, the stronger the flatter the disk comes. F is where the strong colours meet. Hatched "
-    "motions come near flat too, but would not fall at η = 0 with the same φ, σ̄₃ and energy. Where a colour "
-    "steps, motions change to another well.",
+    "vermilion on the other. The flatter the disk comes, the stronger is the colour. F is where the strong "
+    "colours meet. Hatched motions come near flat too, but would not fall at η = 0 with the same φ, σ̄₃ and "
+    "energy. Where a colour changes abruptly, the motion belongs to another valley (well) of the potential.",
     group="slices",
     portraits=lambda asked: (
         (f"slice-{number}", (slice_map(asked.disk, where),))

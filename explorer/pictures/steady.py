@@ -39,9 +39,9 @@ RADII = (0.5, 1.0, 2.0, 5.0)  # of the circles that are marked, in radii of the 
 
 @picture(
     Question.WHICH_MOTIONS,
-    "The plane of the constants of motion: the lines of the falling motions, and the curve with four cusps inside "
-    "which there is an unstable steady motion between two stable ones. On its cusps spinning upright and straight "
-    "rolling become stable.",
+    "The plane of the constants of motion: the lines of the falling motions, and a curve with four cusps. Inside "
+    "this curve there is an unstable steady motion between two stable ones. At two of its cusps upright spinning "
+    "becomes stable, at the other two straight rolling.",
     group="phase",
 )
 def steady_plane(ax: Axes, disk: Disk) -> None:
@@ -74,8 +74,8 @@ def steady_plane(ax: Axes, disk: Disk) -> None:
 
 @picture(
     Question.WHICH_MOTIONS,
-    "Circular rolling by lean and precession: where it is stable, and where it is not. Lines are circles of "
-    "one radius; the unstable tongue is slow rolling that falls over.",
+    "Circular rolling by lean and precession: where it is stable, and where it is not. Along each line the disk "
+    "rolls on circles of the same radius. Slow rolling in the unstable tongue falls over.",
     group="phase",
 )
 def steady_map(ax: Axes, disk: Disk) -> None:

@@ -107,9 +107,9 @@ def wander_paths(figure: Figure, disk: Disk) -> None:
 
 @picture(
     Question.WHERE_TO,
-    "The distance of the centre from its start, against time in periods, with a dot at each whole period. Dots of "
-    "a generic motion stay below the dotted line, and between them it goes little further; a resonance walks away "
-    "for ever.",
+    "The distance of the centre from its start, against time in periods, with a dot at each whole period. At "
+    "whole periods a generic motion stays below the dotted line, and in between it goes little further. At a "
+    "resonance the disk walks away for ever.",
     group="paths",
 )
 def wander_distance(ax: Axes, disk: Disk, count: int = 12) -> None:
@@ -136,8 +136,9 @@ def wander_distance(ax: Axes, disk: Disk, count: int = 12) -> None:
 
 @picture(
     Question.WHERE_TO,
-    "Above, by how much χ turns in one period, against σ̄₃; below, the radius of the rosette. Where a period is a "
-    "whole number of turns the radius has no bound, and the curve leaves the picture: there the disk walks away.",
+    "Above, by how much χ turns in one period, against σ̄₃; below, the radius of the circle on which the centre "
+    "lies after each period. If the turn in a period is a whole number of turns, the radius has no bound, and "
+    "the curve leaves the picture: there the disk walks away.",
     (SIZE[0], 5.6),
     "paths",
 )

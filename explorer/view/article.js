@@ -16,7 +16,7 @@ import { Store } from "./state.js";
 const COMMON = { disk: "uniform", sigma3_bar: 0, phidot: 1, eta_hat: 0 };
 const CAMERA = { azimuth: 0.32, elevation: 0.5 };
 // All of a motion, from upright to upright again: the coin lies flat at x = -1.
-const AIM = { x: -0.95, y: 0, z: 0.4, radius: 2.4 }, TABLE = { x: -0.95, y: 0, radius: 1.75 };
+const AIM = { x: -0.95, y: 0, z: 0.45, radius: 2.45 }, TABLE = { x: -0.95, y: 0, radius: 1.75 };
 const RISEN = 1.05; // rad of tilt at which a disk that has risen is shown
 const PARTS = `<span class="slowed"></span><canvas class="picture" role="img"></canvas><canvas class="plot" aria-hidden="true"></canvas>
   <div class="handle"><button type="button" class="play"></button>

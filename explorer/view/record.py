@@ -30,15 +30,15 @@ _DESCRIPTION = 0x010E  # of EXIF, where WebP carries its caption
 CAPTIONS = {
     "hero": Caption(
         Question.HAPPENS,
-        "A disk falls (thin outlines) and lies almost flat (gold). From two starts that differ by a hair, its "
-        "contact point races round the rim, one way (blue) or the other (vermilion), by κπ, and the disk rises "
-        "here or there; where κ is 2.5, in opposite places.",
+        "A disk falls (thin outlines) and lies almost flat (gold). From two starts that hardly differ, its "
+        "contact point races round the rim, one way (blue) or the other (vermilion), by κπ, and the disk rises in "
+        "one of two places. Here κ is 2.5, and they are opposite.",
     ),
     "film": Caption(
         Question.HAPPENS,
-        "One fall in six seconds, slowed near flat by the factor shown: the contact point races round the rim "
-        "by ½κ turns, one way (blue) or the other (vermilion), and the disk rises here or there. A hair between "
-        "the two starts decides.",
+        "One fall in six seconds, slowed near flat by the factor shown: the contact point races round the rim by "
+        "½κ turns, one way (blue) or the other (vermilion), and the disk rises in one of two places. The smallest "
+        "difference between the two starts decides.",
     ),
 }
 

@@ -2,6 +2,7 @@
 
 import io
 import re
+from html import escape
 from importlib import resources
 
 import numpy as np
@@ -90,6 +91,30 @@ def test_an_address_with_a_motion_opens_the_laboratory_and_its_name_keeps_the_ar
     assert -5 < article.evaluate("document.getElementById('laboratory').getBoundingClientRect().top") < 100
 
 
+def test_in_a_frame_the_heading_of_the_article_is_left_to_the_page_round_it(article, article_file, tmp_path):
+    heading = "document.querySelector('#article h1').getBoundingClientRect().height"
+    assert article.evaluate(heading) > 0.0
+    frame = tmp_path / "frame.html"
+    inner = escape(article_file.read_text("utf-8"))
+    frame.write_text(f"<!doctype html><iframe srcdoc='{inner}'></iframe>", "utf-8")
+    article.open(frame)
+    until(article, "document.querySelector('iframe').contentWindow.nearflat?.article")
+    inside = heading.replace("document", "document.querySelector('iframe').contentDocument")
+    assert article.evaluate(inside) == 0.0
+
+
+def test_the_laboratory_explains_itself_where_it_stands(article):
+    article.evaluate("(document.getElementById('laboratory').scrollIntoView(), 0)")
+    article.frames(3)
+    before = article.evaluate("scrollY")
+    article.evaluate("(document.querySelector('#laboratory summary').click(), 0)")
+    article.frames(3)
+    assert article.evaluate("scrollY") == before
+    text = article.evaluate("document.querySelector('#laboratory details').innerText")
+    for symbol in ("η̂", "σ̄₃", "σ̄₄", "φ̇", "χ", "θ", "κ", "√(r/g)"):
+        assert symbol in text
+
+
 def test_the_article_is_small_and_its_first_picture_quick(article, article_file):
     assert article_file.stat().st_size < 300_000
     assert 0.0 < quickest(lambda: first_paint(article, article_file), 1500.0) < 1500.0
@@ -113,6 +138,72 @@ def test_eight_scenes_have_a_picture_and_a_slider_with_a_name_and_a_value(articl
 def test_a_tilted_coin_reaches_as_high_as_a_sine(article):
     assert slide(article, "coin", 30) == ["30°", "Its upper edge is 5.0 cm above the table."]
     assert slide(article, "coin", 90) == ["90°", "Its upper edge is 10.0 cm above the table."]
+    assert slide(article, "coin", 0) == ["0°", "Its upper edge is 0.0 cm above the table."]
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (375, 812)], ids=str)
+@pytest.mark.parametrize("name", SCENES)
+def test_no_picture_cuts_the_coin_off(article, name, size):
+    article.size(*size)
+    go_to(article, name)
+    outside = article.evaluate(f"""(() => {{
+        const f = {figure(name)}, {{ min, max }} = f.slider, {{ scene, canvas, player, store }} = f;
+        const {{ CLOCK, stateAt }} = modules.physics, outside = [];
+        player.running = false;
+        for (let n = 0; n <= 8; n++) {{
+            f.slider.value = Number(min) + (n / 8) * (max - min);
+            f.slid();
+            f.draw();
+            const clocks = f.declared.posed || f.declared.span ? [player.clock]
+                : [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1].map(share => share * player.end);
+            for (const clock of clocks) for (const path of f.both ? [store.main, store.other] : [store.main]) {{
+                const pose = modules.disk.poseOf(stateAt(path, CLOCK, clock), 0);
+                for (let turn = 0; turn < 2 * Math.PI; turn += 0.1) for (const height of [pose.low, pose.high]) {{
+                    const [x, y] = scene.camera.project([0, 1, 2].map(i => pose.centre[i] + height * pose.normal[i]
+                        + Math.cos(turn) * pose.down[i] + Math.sin(turn) * pose.along[i]));
+                    const inside = x >= 0 && x <= canvas.clientWidth && y >= 0 && y <= canvas.clientHeight;
+                    if (!inside) outside.push([Number(f.slider.value), clock, x, y]);
+                }}
+            }}
+        }}
+        return outside;
+    }})()""")
+    assert outside == []
+
+
+PLAYING = "document.querySelector('#{0} .play').classList.contains('playing')"
+
+
+@pytest.mark.parametrize("name", MOVING)
+def test_a_slider_that_moves_neither_stops_nor_starts_its_picture(article, name):
+    go_to(article, name)
+    article.evaluate(f"(document.querySelector('#{name} input').focus(), 0)")
+    for plays in (True, False):
+        for key, code in (("Home", 36), ("End", 35), ("ArrowLeft", 37), ("ArrowLeft", 37), ("ArrowLeft", 37)):
+            article.send("Input.dispatchKeyEvent", type="keyDown", key=key, windowsVirtualKeyCode=code)
+            article.frames(3)
+            before = article.evaluate(f"{figure(name)}.player.clock")
+            article.frames(4)
+            moved = article.evaluate(f"{figure(name)}.player.clock") != before
+            assert (article.evaluate(PLAYING.format(name)), moved) == (plays, plays)
+        article.evaluate(f"(document.querySelector('#{name} .play').click(), 0)")
+        article.frames(3)
+
+
+def test_time_stands_still_while_its_slider_is_held(article):
+    go_to(article, "slow-motion")
+    x, y = article.evaluate("""(() => {
+        const box = document.querySelector('#slow-motion input').getBoundingClientRect();
+        return [box.left + box.width / 2, box.top + box.height / 2];
+    })()""")
+    clock = f"{figure('slow-motion')}.player.clock"
+    article.mouse("mousePressed", x, y)
+    held = article.evaluate(clock)
+    article.frames(6)
+    assert article.evaluate(clock) == held
+    article.mouse("mouseReleased", x, y)
+    article.frames(6)
+    assert article.evaluate(clock) > held
 
 
 def test_the_contact_goes_round_while_the_coin_hardly_turns(article):
@@ -137,6 +228,18 @@ def test_the_time_of_the_fall_is_pythons(article, push):
     assert seconds_in(under) == pytest.approx(time_of_fall(push / 0.1), abs=6e-4)
 
 
+def test_each_moving_picture_says_how_much_it_is_slowed(article):
+    """A unit of natural time takes a second; near flat more, as far as the contact runs."""
+    slide(article, "fall", 1.4)
+    corner = "document.querySelector('#{0} .slowed').textContent"
+    assert article.evaluate(corner.format("fall")) == f"time slowed {COIN.rate_unit:.0f} times"
+    article.evaluate(f"({figure('slow-motion')}.player.running = false, 0)")
+    slide(article, "slow-motion", 0.5)
+    said = number_in(re.search(r"slowed (\S+) times", article.evaluate(corner.format("slow-motion")))[1])
+    slowing = article.evaluate(f"modules.physics.slowing({figure('slow-motion')}.state)")
+    assert said == pytest.approx(slowing * COIN.rate_unit, rel=0.05)
+
+
 @pytest.mark.parametrize("speed", [1.0, 6.0, 20.0])
 def test_the_least_tilt_is_pythons(article, speed):
     _, under = slide(article, "rise", speed)
@@ -154,6 +257,7 @@ def test_how_near_it_comes_is_pythons(article, decades):
 
 def test_the_race_begins_at_nothing_and_ends_as_in_python(article):
     turns = abs(ex.passages(ex.Disk.uniform(), 0.0, 1e-3, 1.0).race_angle.item()) / (2.0 * np.pi)
+    article.evaluate(f"({figure('slow-motion')}.player.running = false, 0)")
     said = [float(re.search(r"[\d.]+(?= turns)", slide(article, "slow-motion", at)[1])[0]) for at in (0, 0.5, 1)]
     assert said == pytest.approx([0.0, turns / 2, turns], abs=0.011)
 
@@ -213,12 +317,13 @@ def test_the_numbers_of_the_prose_are_those_of_the_disks(article):
     prose = re.sub(r"\s+", " ", article.evaluate("document.getElementById('article').textContent"))
     coin, hoop = (disk.race_limit / np.pi for disk in (ex.Disk.uniform(), ex.Disk.hoop()))
     assert f"by {coin / 2:.2f} turns" in prose
-    assert f"For a coin κ is {coin:.2f}, for a hoop, with all its mass at the rim, {hoop:.2f}, " in prose
-    assert f"which makes {hoop / 2:.2f} turns" in prose
+    assert f"a coin races {coin / 2:.2f} turns, a hoop, with all its mass at the rim, {hoop / 2:.2f}." in prose
+    assert f"{coin:.2f} for a coin, {hoop:.2f} for a hoop" in prose
+    assert f"{2.0 * np.sqrt(9.81 * COIN.r):.1f} m/s" in prose  # the upper edge of a coin that falls with phidot 1
     apart = np.degrees(2.0 * coin * np.pi) % 360.0
     assert f"{min(apart, 360.0 - apart):.0f}° apart" in prose
     assert ex.Disk.annulus(1.0 / np.sqrt(3.0)).race_limit == pytest.approx(2.0 * np.pi)
-    assert f"a ring whose hole is {1.0 / np.sqrt(3.0):.2f} of its width" in prose
+    assert f"A ring whose hole is {1.0 / np.sqrt(3.0):.2f} of its width races exactly one turn" in prose
 
 
 @pytest.mark.parametrize("reduced", [False, True], ids=["moves", "prefers no motion"])

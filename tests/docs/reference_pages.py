@@ -65,7 +65,7 @@ def command_line():
         elif name == "trade":
             rows = [row for row in rows if row not in said]
             sections.append(
-                "Takes the options of the scene, as `nearflat run` does, but `--method` and `--accuracy`.\n"
+                "Takes the same options as `nearflat run` with this scene, except `--method` and `--accuracy`.\n"
             )
             sections.append(table(["argument", "meaning"], rows) + "\n")
         elif rows:
@@ -78,7 +78,7 @@ def command_line():
             said |= set(own)
             first = scene_class(scene).__doc__.partition("\n")[0]
             sections.append(
-                f"### nearflat run {scene}\n\n{first} Also:\n\n{table(['argument', 'meaning'], own)}\n"
+                f"### nearflat run {scene}\n\n{first} Its own options:\n\n{table(['argument', 'meaning'], own)}\n"
             )
     return "\n".join(sections)
 

@@ -38,18 +38,15 @@ def simulate():
     return make
 
 
-def integrator(name, whole, held=True):
-    """chi at t = 1.6 (whole), or twice chi at the turning point: half the way, by the symmetry of a passage.
-
-    held: put back onto sigma3_bar and eta after every step, as `passages` does.
-    """
+def integrator(name, whole):
+    """chi at t = 1.6 (whole), or twice chi at the turning point: half the way, by the symmetry of a passage."""
     n = COUNT * COPIES
     initial = np.zeros((10, n))
     initial[:5] = np.tile(work().regular[:5], COPIES)
     events, engine, depth = compiled.events, compiled.engine, compiled.field.ANGLES
     event, value = (events.TIME, T_END) if whole else (events.TURNING_POINT, 0.0)
     eta = np.tile(work().eta_hat, COPIES) * DISK.body.I3 * DISK.body.r0
-    linear = np.stack([np.full(n, 1.0 if held else np.nan), eta, 2.0 * DISK.body.I1 * DISK.body.dr0 - eta])
+    linear = np.stack([np.ones(n), eta, 2.0 * DISK.body.I1 * DISK.body.dr0 - eta])
     out, moved, steps = np.empty((n, 1, 10)), np.empty((3, n)), np.empty(n, np.int32)
     history = compiled.curves.History(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)
 
@@ -63,7 +60,6 @@ def integrator(name, whole, held=True):
             chi = np.where(status == 0, out[:, 0, compiled.field.ROW.chi], np.nan)
             return (chi if whole else 2.0 * chi)[:COUNT]
 
-        solve.steps = lambda: steps.mean()
         return solve
 
     return make

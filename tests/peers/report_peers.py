@@ -13,18 +13,16 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from peers import cpp, ours, tables
+from peers import ours, tables
 from peers.figure import draw
-from peers.measuring import KERNEL, PEER, ROUNDS, Solver, all_solvers, measured
-from peers.peak import peak
-from peers.problem import COUNT, work
+from peers.measuring import ROUNDS, all_solvers, measured
+from peers.problem import COUNT
 from processor import processor
 
 from explorer.pictures.register import save
 
 ROOT = Path(__file__).parents[2]
 OUT = ROOT / "results" / "peers"
-SHORT = {"rk4": 0.01, "rk8": 0.05}
 
 
 def command():
@@ -44,25 +42,7 @@ def machine():
     return f"one core of an {processor()}{compiled}"
 
 
-def steppers():
-    """(name, method, solver) of short fixed steps: ours free, ours held to the constants, and the loop in C++."""
-    for method, length in SHORT.items():
-        for held in (False, True):
-            solve = ours.integrator(method, True, held)(length)
-            how = "held to the constants" if held else "free"
-            yield f"{method}, ours, {how}", method, _stepper(method, KERNEL, solve, COUNT * ours.COPIES)
-        if cpp.compiler():
-            for contracted in (False, True):
-                solve = cpp.loop(method, contracted)(length)
-                how = "contracted" if contracted else "strict"
-                yield f"{method}, C++, {how}", method, _stepper(method, PEER, solve, COUNT)
-
-
-def _stepper(name, kind, solve, count):
-    return Solver(name, SHORT[name], kind, solve, work().chi, count)
-
-
-def page(rows, missing, limits, busy):
+def page(rows, missing, busy):
     """The page of the results."""
     return [
         "# nearflat and its peers",
@@ -78,17 +58,17 @@ def page(rows, missing, limits, busy):
         "",
         "The calls are `explorer.passages(disk, 1.0, eta_hat, 1.0, method=..., accuracy=...)` and",
         '`explorer.simulate(states, t_eval=[1.6], observables=("chi",), accuracy=...)`. A call has',
-        f"{COUNT * ours.COPIES:,} trajectories: the {COUNT}, {ours.COPIES} times. `passages` gives the whole",
-        "passage, vertical to vertical, with its race, fall, tilt, times and error estimates. Peers give only",
-        "chi at t = 1.6. Those on the regularised equations get this moment in the variable s of these",
-        "equations. Ratios compare the fastest settings that meet the accuracy: the 99th percentile is within",
-        "it, every trajectory is resolved, and none goes the wrong way. A dash means that there is no such",
-        "setting. Quadrature at 1e-11 is compared with the peer's most accurate row.",
+        f"{COUNT * ours.COPIES:,} trajectories: the {COUNT}, repeated {ours.COPIES} times.",
+        "`passages` gives the whole passage, vertical to vertical, with its race, fall, tilt, times and error",
+        "estimates. Peers give only chi at t = 1.6. Those on the regularised equations get this moment in the",
+        "variable s of these equations. Ratios compare the fastest settings that meet the accuracy: the 99th",
+        "percentile is within it, every trajectory is resolved, and none goes the wrong way. A dash means",
+        "that there is no such setting. Quadrature at 1e-11 is compared with the peer's most accurate row.",
         "",
         *tables.public_calls(rows),
         "",
-        "This table says how many times as fast as each peer the calls are. *Integrated*: the fastest method of",
-        "`passages` at that accuracy.",
+        "Each entry is the speed of our call divided by the speed of the peer.",
+        "*Integrated*: the fastest method of `passages` at that accuracy.",
         "",
         *tables.ratios(rows),
         "",
@@ -102,9 +82,6 @@ def page(rows, missing, limits, busy):
         *tables.kernels(rows),
         "",
         tables.loop_in_words(),
-        "",
-        # With vectors of 256 bits the loop that measures this ceiling is held up by its loads and stores.
-        *([] if "NUMBA_CPU_NAME" in os.environ else tables.shares_of_steps(limits, steppers())),
         "",
         "## All rows",
         "",
@@ -131,7 +108,7 @@ def main():
     found, missing = all_solvers(asked.peers)
     rows = measured(found, say=lambda line: print(line, flush=True))
     after = os.getloadavg()[0] if hasattr(os, "getloadavg") else np.nan
-    lines = page(rows, missing, peak(), (before, after))
+    lines = page(rows, missing, (before, after))
     if asked.out != OUT:
         lines = [line for line in lines if not line.startswith("![")]
     (asked.out / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -3,13 +3,12 @@
 import re
 
 from peers import cpp
-from peers.counting import counted
-from peers.measuring import ASKED, COUNT, METHODS, PEER, PUBLIC, seconds
+from peers.measuring import ASKED, METHODS, PEER, PUBLIC
 
 INTEGRATED = tuple(f"passages, {method}" for method in METHODS)
 KERNELS = tuple(f"{method}, to t = 1.6" for method in METHODS)
 QUADRATURE = "passages, quadrature"
-FRONT = "| speed on one core, of public calls at an error below 10⁻⁶ (heyoka in batches = 1)"
+FRONT = "| speed of calls on one core, error below 10⁻⁶, relative to heyoka (a fast Taylor solver) in batches"
 ORIGIN = "The speeds were measured in one run on "
 REST = 1e-9  # the least error at which most peers have a row at all
 
@@ -104,9 +103,9 @@ def quoted(rows):
     exact, integrated = asked_at(rows, QUADRATURE, 1e-6), best_asked(rows, INTEGRATED, 1e-6)
     plain, regular = (times(exact, peer) for peer in peers)
     stepped = " and ".join(times(integrated, peer) for peer in peers)
-    said = f"quadrature is {plain} times as fast as heyoka with the plain equations"
-    said += f", and {regular} times as fast as heyoka with our regularised ones"
-    return f"{FRONT} | {said}; our Runge–Kutta is {stepped} times as fast | 1 |"
+    said = f"quadrature: {plain} times heyoka on the ordinary equations"
+    said += f", {regular} times heyoka on our equations, which are smooth at flat"
+    return f"{FRONT} | {said}; our Runge–Kutta: {stepped} times | 1 |"
 
 
 def with_quoted(text, rows, where):
@@ -129,33 +128,13 @@ def every(rows):
     return _table(heads, lines)
 
 
-def shares_of_steps(limits, steppers):
-    """How near the limit of strict arithmetic fixed steps run; steppers: (name, method, solver)."""
-    counts = counted()
-    together = 2.0 * limits.multiply_adds
-    yield (
-        f"Additions and multiplications of this core: {together:.1e}/s where a product and a sum are rounded"
-        f" together, {limits.strict:.1e}/s where they are not ({limits.strict / together:.0%}). The second number"
-        " is the ceiling of strict arithmetic."
-    )
-    yield ""
-    heads = ("fixed steps, short ones", "million steps/s", "additions and multiplications", "share of the ceiling")
-    lines = []
-    for name, method, solver in steppers:
-        solver.solve(COUNT)
-        rate = solver.solve.steps() * solver.count / seconds(solver, 15)
-        share = rate * counts[method] / limits.strict
-        lines.append((name, f"{rate / 1e6:.0f}", f"{counts[method]}", f"{share:.0%}"))
-    yield from _table(heads, lines)
-
-
 def loop_in_words():
     """What the loop in C++ is, or why it is not here."""
     if cpp.compiler() is None:
         return f"C++: {cpp.NO_COMPILER}."
     return (
         "C++: `tests/peers/fixed_steps.cpp`, the same tableaux and field in lanes, compiled with"
-        f" `{' '.join(cpp.options(False)[1:])}` (strict; its steps are ours to the last bit) or"
+        f" `{' '.join(cpp.options(False)[1:])}` (strict: its steps give the same bits as ours) or"
         " `-ffp-contract=fast`. It locates no events and keeps no constants of motion: it gets the s at which"
         " each motion ends."
     )

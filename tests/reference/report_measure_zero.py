@@ -99,7 +99,8 @@ def law_lines(summary):
     for name, text in LAWS.items():
         yield f"| {text} | {summary['p_value'][name]:.2g} |"
     yield ""
-    yield "Tubes contain only states near F. The second law has falls anywhere: only plain draws can reject it."
+    yield "By the second law some disks would fall far from F. Draws in tubes cannot show this. Plain draws can:"
+    yield "some seven million reject it."
 
 
 def split_lines(summary):
@@ -112,7 +113,8 @@ def split_lines(summary):
         ends = ["" if row[key] is None else f"{row[key]:.3f}" for key in ("energy_from", "energy_to")]
         yield f"| {ends[0]} | {ends[1]} | {row['share']:.5f} | {row['error']:.5f} | {row['predicted']:.5f} |"
     yield ""
-    yield "To leading order both signs of eta have the same share; P itself differs from C delta by order delta:"
+    yield "To leading order both signs of eta have the same share;"
+    yield "the relative difference of P from C delta is of order delta:"
     yield from ("", "| delta | (P+ - P-) / P | 95 % | P/(C delta) - 1 | 95 % |", "|---|---|---|---|---|")
     for row in splits["eta_positive"][:4]:
         signs, off = row["asymmetry_interval_95"], row["correction_interval_95"]
@@ -122,10 +124,11 @@ def split_lines(summary):
         )
     race = summary["race"]
     yield ""
-    yield f"Races followed by integration: {race['right']:,} the way of sgn(eta), {race['wrong']} the other way."
+    yield f"Races that were also followed by integration: {race['right']:,} the way of sgn(eta),"
+    yield f"{race['wrong']} the other way."
     yield f"theta_min/delta of the hits is uniform: p = {splits['tilt']['p_value']:.2g}."
-    yield f"The flow's determinant is 1 to {invariance['determinant_error']:.0e}; states pushed forward are"
-    yield f"distributed as before: p = {invariance['push_forward_p_value']:.2g}."
+    yield f"The flow's determinant equals 1 within {invariance['determinant_error']:.0e}; states pushed"
+    yield f"forward are distributed as before: p = {invariance['push_forward_p_value']:.2g}."
 
 
 def coverage_lines():

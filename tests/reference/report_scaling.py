@@ -207,7 +207,8 @@ def cost():
     save(draw_cost(rows), OUT / "cost.png")
     return [
         COST,
-        "at an accuracy of 1e-2, by one job. A dash means that the side of more than 1 % is unknown.",
+        "at an accuracy of 1e-2, by one job. A dash would mean that the side was unresolved for more",
+        "than 1 % of the passages.",
         "",
         "![time of a passage against the distance from F](cost.png)",
         "",

@@ -6,7 +6,8 @@ from conftest import BODIES
 
 import explorer as ex
 from explorer.motion.falls import fall_from_vertical
-from explorer.motion.passages_by_quadrature import energy_on_f
+from explorer.phase.energy import energy_at
+from explorer.phase.lines import line_slope
 
 
 def test_a_fall_is_the_limit_of_passages_and_takes_half_their_time():
@@ -14,7 +15,7 @@ def test_a_fall_is_the_limit_of_passages_and_takes_half_their_time():
     found = ex.passages(disk, 0.6, [1e-250, 0.0], 0.8, accuracy=1e-11)
     assert found.fall_time[1] == pytest.approx(0.5 * found.duration[0], rel=1e-10)
     assert found.energy[1] == pytest.approx(found.energy[0], rel=1e-14)
-    energy = energy_on_f(disk, np.array([0.6]), np.array([0.8]))
+    energy = energy_at(disk.body, 0.8, 0.6, 0.6 * line_slope(disk), 1.0) * np.ones(1)
     fall = fall_from_vertical(disk, np.array([0.6]), energy, accuracy=1e-11)
     assert fall.time[0] == found.fall_time[1]
     assert 2.0 * fall.chi[0] == found.fall_angle[1]

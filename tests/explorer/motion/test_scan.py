@@ -103,3 +103,13 @@ def test_two_columns_of_one_name_are_refused_and_none_is_lost():
         found = scan(STATES, lambda batch, names=names, arrays=arrays: {name: arrays[name] for name in names})
         with pytest.raises(ex.InputError, match="two columns 'pair_0'; give arrays other names"):
             found.to_arrow()
+
+
+def test_some_states_of_a_scan_are_chosen_as_entries_of_an_array_are():
+    states = ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, np.array([[0.5], [0.7]]), np.linspace(-1.0, 1.0, 5))
+    found = ex.scan(states, ["theta_min", "crosses"])
+    some = found[found["theta_min"] < 0.3]
+    assert list(some) == ["theta_min", "crosses"]
+    np.testing.assert_array_equal(some["theta_min"], found["theta_min"][found["theta_min"] < 0.3])
+    np.testing.assert_array_equal(found[0].states.sigma4, states.sigma4[0])
+    assert found[:, 1:3].shape == (2, 2)

@@ -39,7 +39,7 @@ def test_an_error_in_one_thread_is_raised_and_the_others_are_left():
     before, begun, ended = set(threading.enumerate()), threading.Barrier(2), threading.Event()
 
     def call(rows):
-        if rows[0] == 0:
+        if rows.start == 0:
             begun.wait()
             raise ex.InputError("no")
         threads.attended(lambda: (begun.wait() and None) or ended.wait(60.0), ended.set)
@@ -54,7 +54,7 @@ def test_ctrl_c_ends_blocks_that_threads_have_still_before_them():
     before, seen = set(threading.enumerate()), []
 
     def call(rows):
-        seen.append(rows[0])
+        seen.append(rows.start)
         time.sleep(0.05)
 
     interrupted_during(lambda: threads.in_parts(2, 2000, call, 1))

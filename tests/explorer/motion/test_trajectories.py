@@ -391,3 +391,32 @@ def test_a_small_tilt_has_all_its_digits():
     assert motion.tilt[0, 0] == 1e-20
     given = ex.rates_to_states(ex.Disk.uniform(), [0.4, 2.5], 0.1, 1.0, 0.2)
     np.testing.assert_allclose(ex.simulate(given, t_eval=[0.0], observables=("tilt",)).tilt[:, 0], [0.4, 2.5])
+
+
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-9])
+def test_small_nutations_about_steady_motions_are_all_answered_by_dop853(accuracy):
+    """Their steps are as long as any may be, so that finer tolerances change nothing: 9 of 1000 were refused."""
+    random, n = np.random.default_rng(5), 1000
+    tilt, precession = random.uniform(0.1, 1.5, n), random.uniform(0.5, 4.0, n)
+    spin = ex.steady_motions(BODIES["uniform"], tilt, precession).spin
+    near = 1.0 + 1e-3 * random.normal(size=(3, n))
+    states = ex.rates_to_states(BODIES["uniform"], tilt * near[0], 1e-3, precession * near[1], spin * near[2])
+    found = ex.simulate(states, t_eval=[20.0], method="dop853", accuracy=accuracy, observables=("chi", "psi"))
+    assert found.ok.all()
+    exact = ex.simulate(states, t_eval=[20.0], method="rk8", accuracy=1e-11, observables=("chi", "psi"))
+    for name in ("chi", "psi"):
+        error = abs(getattr(found, name) - getattr(exact, name))[:, 0]
+        assert (error <= 3.0 * found.error_estimate + exact.error_estimate).all()
+
+
+@pytest.mark.parametrize("t_eval", [None, [0.0, 0.5, 2.0]])
+def test_some_motions_are_chosen_as_entries_of_an_array_are(t_eval):
+    states = ex.constants_to_states(BODIES["hoop"], 1.0, [0.1, 1e-3, 0.0, 1e-6], 1.0)
+    motion = ex.simulate(states, 2.0, t_eval=t_eval)
+    for rows in (3, slice(1, 3), [3, 0], motion.ok):
+        some, chosen = motion[rows], np.atleast_1d(np.arange(4)[rows])
+        np.testing.assert_array_equal(some.chi, motion.chi[chosen])
+        np.testing.assert_array_equal(some.constants_error, motion.constants_error[:, chosen])
+        np.testing.assert_array_equal(some.t, motion.t[chosen] if t_eval is None else motion.t)
+        np.testing.assert_array_equal(some(1.3).path, motion(1.3).path[chosen])
+        assert len(some) == len(some.states) == chosen.size

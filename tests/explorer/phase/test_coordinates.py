@@ -105,9 +105,12 @@ def test_an_eta_hat_belongs_to_the_face_that_is_said():
     [(10.0, "degrees=True"), ([2.0, 3.0], "degrees=True"), ([0.5, -0.1], "1 of 2 lie outside 0 to pi, -0.1 rad")],
 )
 def test_tilts_that_are_probably_not_meant_are_told(tilt, said):
-    for make in (ex.rates_to_states, lambda *given: ex.steady_motions(*given[:2], given[3])):
-        if "outside" in said and make is not ex.rates_to_states:
-            continue
+    ways = (
+        ex.rates_to_states,
+        lambda *given: ex.steady_motions(*given[:2], given[3]),
+        lambda *given: ex.coordinates_to_states(given[0], tilt=given[1], precession=given[3], spin=given[4]),
+    )
+    for make in ways:
         with pytest.warns(ex.StateWarning, match=said):
             make(ex.Disk.uniform(), tilt, 0.0, 1.0, 1.0)
 
