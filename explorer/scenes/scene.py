@@ -249,7 +249,9 @@ class SampledScene(Scene):
         """The rows of a block that are stored."""
         if self.keep == "all":
             return table
-        rows = self.near(table) & (self.keep == "near")
+        if self.keep == "none":
+            return {name: values[:0].copy() for name, values in table.items()}
+        rows = self.near(table)
         return table if rows.all() else {name: values[rows] for name, values in table.items()}
 
 

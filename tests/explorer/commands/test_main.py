@@ -297,6 +297,26 @@ def test_arguments_that_cannot_be_used_are_named(capsys):
     assert "eta_hat = 0" in capsys.readouterr().err
 
 
+COMPILING = """
+import sys, time
+from explorer import compiled
+compiled.warmup = lambda *names, **say: print("compiling", flush=True) or time.sleep(60)
+from explorer.commands.main import main
+sys.exit(main())
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no other system has SIGTERM")
+@pytest.mark.parametrize("words", [["warmup"], ["passage", "--sigma3-bar=1", "--eta-hat=0", "--phidot=1"]])
+def test_sigterm_while_kernels_are_compiled_ends_with_a_sentence(words):
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen([sys.executable, "-c", COMPILING, *words], **pipes) as command:
+        assert command.stdout.readline() == "compiling\n"
+        command.terminate()
+        assert command.communicate()[1] == f"nearflat {words[0]}: interrupted\n"
+        assert command.returncode == 130
+
+
 def test_warmup_says_when_all_is_ready(capsys):
     assert main(["warmup", "--quiet"]) == 0
     capsys.readouterr()

@@ -38,6 +38,7 @@ def test_large_runs_and_those_of_the_command_line_have_a_folder_of_their_own(cap
         ({"out": ""}, "out"),
         ({"progress": 1}, "progress = 1 must be true or false"),
         ({"bais": 0.5}, "did you mean 'bias'"),
+        ({"disk": "hoop", "disks": ["uniform"]}, "disk and disks say the same; leave one out"),
     ],
 )
 def test_what_cannot_be_is_refused_before_anything_is_written(given, message, tmp_path):

@@ -195,11 +195,11 @@ class Faulty(Coins):
 
 
 @pytest.mark.parametrize("backend", ["threads", "processes"])
-def test_what_goes_wrong_in_a_chunk_comes_back_as_it_is(backend):
+def test_what_goes_wrong_in_a_chunk_comes_back_from_every_worker(backend):
     how = {"backend": backend, "progress": False, **SMALL}
     with pytest.raises(ex.RunError, match="700 samples do not fit into memory; give a smaller chunk_size"):
         ex.run(Huge, **how)
-    with pytest.raises(ZeroDivisionError):
+    with pytest.raises(ex.RunError, match=r"test_workers\.py:Faulty\.draw: ZeroDivisionError: division by zero"):
         ex.run(Faulty, **how)
 
 
