@@ -43,19 +43,22 @@ _RESOLVED = 1e-12
 
 
 def smallest_tilts(states: States, count: int, accuracy: float) -> tuple[Array, NDArray[np.int8]]:
-    """The smallest tilt (rad) in the next `count` approaches to flat, and the status; 0 of what falls.
+    """The smallest tilt (rad) in the next `count` approaches to flat, and the status; 0 of what falls in these.
 
     All approaches on one face are alike, so that two say all.
     """
     code, own = compiled.status.Status, face_of(states)
     status = status_at_start(states, sided=False)
-    theta = np.where(status == code.FALLS, 0.0, np.nan)
-    rows = np.flatnonzero(status == code.OK)
+    theta, falls = np.full(status.shape, np.nan), status == code.FALLS
+    rows = np.flatnonzero((status == code.OK) | falls)
     motions = arc_starts_of(states, own).at(rows)
     ends = ends_of(states.disk, motions)
-    rises = own[rows] * states.rows.p[rows] > 0.0
-    tilt, error = smallest(motions, ends) if count > 1 else tilts_on(rises & ends.crosses, motions, ends)
-    known = error <= accuracy
+    # The first approach may be on the other face than the one that is nearer to F.
+    elsewhere = (own[rows] * states.rows.p[rows] > 0.0) & ends.crosses & (count == 1)
+    tilt, error = smallest(motions, ends) if count > 1 else tilts_on(elsewhere, motions, ends)
+    falling = falls[rows] & ~elsewhere
+    known = falling | (error <= accuracy)
+    tilt = np.where(falling, 0.0, tilt)
     theta[rows] = np.where(known, tilt, np.nan)
     status[rows[~known]] = code.STEP_LIMIT
     return theta, status

@@ -76,10 +76,11 @@ class Figure {
     this.stale = true;
   }
 
-  /** The slider sets the motion, or where it sets none the clock. What plays goes on from there. */
+  /** The slider sets the motion, and what plays goes on; or it sets the clock, which then rests there. */
   slid() {
     const { declared, player, store } = this;
     if (declared.changes) store.set(declared.changes(Number(this.slider.value)));
+    else player.running = false;
     player.seek(this.moment());
     this.stale = true;
   }

@@ -129,7 +129,7 @@ export function onDrag(canvas, move, begin = () => {}) {
   });
 }
 
-/** Dragging turns the camera, two fingers or the wheel zoom, arrow keys do both. */
+/** Dragging turns the camera, two fingers or the wheel with Ctrl zoom (the wheel alone scrolls), arrow keys do both. */
 export function bindCamera(canvas, camera, drawn) {
   const fingers = new Map();
   let spread = 0;
@@ -149,6 +149,7 @@ export function bindCamera(canvas, camera, drawn) {
     drawn();
   });
   canvas.addEventListener("wheel", (event) => {
+    if (!event.ctrlKey) return;
     event.preventDefault();
     camera.magnify(Math.exp(-0.0012 * event.deltaY));
     drawn();

@@ -79,10 +79,12 @@ export const SCENES = [
   },
   {
     name: "rise", shows: "A coin that rolls a little falls, and stands up again.", rest: "start",
-    slider: "how fast it rolls", range: [1, 20, 0.5, 6],
+    slider: "how fast it rolls", range: [0, 20, 0.5, 6],
     changes: (speed) => ({ eta_hat: speed / (100 * SPEED) }),
     value: ({ slider }) => `${Number(slider.value).toFixed(1)} cm/s`,
-    says: ({ store }) => `The least tilt is ${(store.numbers.theta_min * DEGREES).toFixed(1)}°. Then it stands up again.`,
+    says: (figure) => (figure.store.shown.eta_hat
+      ? `The least tilt is ${(figure.store.numbers.theta_min * DEGREES).toFixed(1)}°. Then it stands up again.`
+      : `Without rolling it falls flat, after ${fallTime(figure)} seconds.`),
   },
   {
     name: "near", shows: "A coin that comes ever nearer to flat, and rises.", rest: "flat", plot: "ruler",
