@@ -41,7 +41,7 @@ SYNTAX = (
     f'"m=..,r=..,g=..,I1=..,I3=..". A number may have a unit ({", ".join(UNITS)}), as in '
     '"m=20g,r=5cm,I1=150 g cm^2,I3=flat"; g is then 9.81 m/s^2 if left out'
 )
-# I3 may exceed 2 I1, or that of a hoop, by rounding of doubles.
+# I3 may exceed 2 I1 by rounding of doubles.
 _ROUNDING = 1e-12
 LARGEST_RATE = 1e150  # natural units: squares of rates overflow beyond
 
@@ -98,7 +98,7 @@ class Disk:
     Warns
     -----
     UserWarning
-        Where m or r is given and I3 exceeds m r^2, that of a hoop: mass then lies beyond the rim, or moments were
+        Where m or r is given and I3 exceeds 2 m r^2: mass then lies far beyond the rim, or moments were
         meant in units of m r^2, as `from_ratios` takes them.
 
     Examples
@@ -140,7 +140,7 @@ class Disk:
         if not _can_be_scaled(self):
             raise InputError("disk: m, r, g, I1 lie too far apart for floating point; rescale the units")
         ratio = self.I3 / self._inertia_unit
-        if ratio > 1.0 + _ROUNDING and (self.m, self.r) != (1.0, 1.0):
+        if ratio > 2.0 and (self.m, self.r) != (1.0, 1.0):
             warnings.warn(
                 f"disk: I3 = {self.I3:g} is {ratio:.3g} m r^2, and a hoop has 1: mass lies beyond the rim; "
                 "for moments in units of m r^2 use Disk.from_ratios",
