@@ -9,6 +9,7 @@ const UPRIGHT = 0.5 * Math.PI;
 const TURN = 0.008; // rad of the camera per pixel
 const KEY_TURN = 0.08;
 const ASIDE = 6; // pixels that a finger goes aside before it drags
+const FINGER = 28; // px within which a finger takes hold of a dot
 
 /** The sliders that hold one number as it is. */
 const SLIDERS = { s3: "sigma3_bar", phidot: "phidot" };
@@ -108,8 +109,11 @@ export function showControls(store, colours) {
   $("other-name").parentElement.hidden = !shown.ghost || onF;
 }
 
-/** Calls `move(x, y, event)` while the canvas is dragged; a finger that goes up or down scrolls the page instead. */
-export function onDrag(canvas, move, begin = () => {}) {
+/**
+ * Calls `move(x, y, event)` while the canvas is dragged. A finger that goes up or down scrolls the page instead, but
+ * where it `grabs(x, y)` something.
+ */
+export function onDrag(canvas, move, begin = () => {}, grabs = () => false) {
   const place = (event) => {
     const box = canvas.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
@@ -118,7 +122,7 @@ export function onDrag(canvas, move, begin = () => {}) {
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
     begin(...place(event), event);
-    from = event.pointerType === "touch" && event.isPrimary ? place(event) : null;
+    from = event.pointerType === "touch" && event.isPrimary && !grabs(...place(event)) ? place(event) : null;
     if (!from) move(...place(event), event);
   });
   canvas.addEventListener("pointermove", (event) => {
@@ -127,6 +131,9 @@ export function onDrag(canvas, move, begin = () => {}) {
     from = null;
     if (canvas.hasPointerCapture(event.pointerId)) move(x, y, event);
   });
+  canvas.addEventListener("touchstart", (event) => {
+    if (grabs(...place(event.touches[0]))) event.preventDefault(); // or the browser scrolls
+  }, { passive: false });
 }
 
 /** Dragging turns the camera, two fingers or the wheel with Ctrl zoom (the wheel alone scrolls), arrow keys do both. */
@@ -178,9 +185,10 @@ export function onArrows(canvas, move) {
 export function bindMaps(store, plane, portrait) {
   const on = (map, name) => {
     const drag = (x, y) => store.set(map.drag(x, y));
-    onDrag($(name), drag);
+    const start = () => (name === "plane" ? map.place(store.shown.eta_hat) : map.startPixel());
+    onDrag($(name), drag, undefined, (x, y) => Math.hypot(x - start()[0], y - start()[1]) < FINGER);
     onArrows($(name), (dx, dy) => {
-      const [x, y] = name === "plane" ? map.place(store.shown.eta_hat) : map.startPixel();
+      const [x, y] = start();
       drag(x + 2 * dx, y - 2 * dy);
     });
   };

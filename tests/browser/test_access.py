@@ -89,6 +89,20 @@ def test_a_swipe_that_begins_on_a_picture_scrolls_the_page(phone, name):
     assert phone.evaluate("nearflat.store.shown.sigma3_bar") == 1.0
 
 
+def test_a_finger_on_the_dot_takes_it_up_and_down_and_scrolls_nothing(phone):
+    phone.evaluate("(document.getElementById('plane').scrollIntoView({ block: 'center' }), 0)")
+    phone.frames(2)
+    x, y, scrolled, eta_hat = phone.evaluate("""(() => {
+        const box = document.getElementById('plane').getBoundingClientRect();
+        const { eta_hat } = nearflat.store.shown, [x, y] = nearflat.plane.place(eta_hat);
+        return [box.left + x, box.top + y, scrollY, eta_hat];
+    })()""")
+    phone.swipe(x, y, 0, -40)
+    phone.frames(10)
+    assert phone.evaluate("[scrollY, nearflat.store.shown.eta_hat]") != [scrolled, eta_hat]
+    assert phone.evaluate("scrollY") == scrolled
+
+
 def test_a_finger_from_side_to_side_turns_the_table_and_scrolls_nothing(phone):
     before = phone.evaluate("nearflat.scene.camera.azimuth")
     phone.swipe(*inside(phone, "scene", 0.3, 0.5), 100, 0)

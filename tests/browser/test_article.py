@@ -318,7 +318,7 @@ def test_the_numbers_of_the_prose_are_those_of_the_disks(article):
     apart = np.degrees(2.0 * coin * np.pi) % 360.0
     assert f"{min(apart, 360.0 - apart):.0f}° apart" in prose
     assert ex.Disk.annulus(1.0 / np.sqrt(3.0)).race_limit == pytest.approx(2.0 * np.pi)
-    assert f"A ring whose hole is {1.0 / np.sqrt(3.0):.2f} of its width races exactly one turn" in prose
+    assert f"A ring whose hole is {1.0 / np.sqrt(3.0):.2f} of its width is such a body: its κ is 2" in prose
 
 
 @pytest.mark.parametrize("reduced", [False, True], ids=["moves", "prefers no motion"])
