@@ -57,7 +57,7 @@ class FallingCounts(Counts):
 
 
 class FallingSet(FromStates):
-    """Where does the disk fall? theta_min, face and could-fall of states, drawn or given."""
+    """From which states does the disk fall flat? theta_min and the nearer face of random or given states."""
 
     chunk_size: int = option(
         whole_from(1, 10**8),
@@ -68,12 +68,12 @@ class FallingSet(FromStates):
     theta_min: str = option(
         word_of(*NEAR),
         "for which states to compute theta_min: all, near (those near the falling set), or none",
-        words=f"all up to {MOST_THETA_MIN:.0e} samples",
+        words=f"all; near above {MOST_THETA_MIN:.0e} samples",
         follows=lambda self, given: given or ("near" if self.samples > MOST_THETA_MIN else "all"),
     )
     slice: tuple[Slice, ...] = option(
         Reader(several(read_ranges), "SLICE", "str | Slice | Sequence[str | Slice]"),
-        'a slice to draw, two ranges and two numbers: "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"',
+        'a plane of the phase space to draw, two numbers and two ranges: "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"',
         words="two slices",
         follows=lambda self, given: (
             tuple(Slice.read(each, self.degrees) for each in given or ()) or Slice.defaults(self.disk)

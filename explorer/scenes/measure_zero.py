@@ -55,7 +55,7 @@ class ZeroCounts(Counts):
 
 
 class MeasureZero(FromDensity):
-    """How rarely does it nearly fall? P(theta_min < delta) down to 1e-15 against the law C delta.
+    """How rarely does it nearly fall? P(theta_min < delta), for delta down to 1e-15 rad, and the law C delta.
 
     samples: plain draws; tube: draws per rung and face; ladder: smallest and largest delta (rad).
     """
@@ -67,8 +67,14 @@ class MeasureZero(FromDensity):
     )
     # Enough plain draws to see a probability of 1e-6, were there one
     samples: int = option(*SAMPLES, default=4_000_000)
-    tube: int = option(whole_from(2, 10**9), "draws per delta and face in tubes beside F", default=1 << 18)
-    sampling: str = option(word_of("random", "sobol"), "draws in the tubes: random or sobol", default="random")
+    tube: int = option(
+        whole_from(2, 10**9), "random states per delta and face that are taken close to F", default=1 << 18
+    )
+    sampling: str = option(
+        word_of("random", "sobol"),
+        "how states close to F are chosen: random, or sobol, which is more even",
+        default="random",
+    )
 
     tally, drawn = ZeroCounts, 3
     tried = 1 << 15  # of which one in ten is followed

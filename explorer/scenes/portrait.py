@@ -43,11 +43,11 @@ class Portrait(Scene):
     sigma4_bar: float | None = option(NUMBER, "the other constant, in the units of the disk, instead of eta_hat")
     eta_hat: float | None = option(
         NUMBER,
-        "distance beside the line of face +1, in the units of the disk; 0 is on it",
-        words="on the line, and on both sides",
+        "signed distance from F on face +1, in the units of the disk",
+        words="three: 0, and one on each side",
     )
     energy: Range | None = option(RANGE, "energies of the levels, in the units of the disk")
-    well: bool = option(TRUTH, "require a potential well next to the falling motions", default=False)
+    well: bool = option(TRUTH, "fail if the potential has no well beside the falling motions", default=False)
 
     tally, drawn = PortraitCounts, 9
     observables: ClassVar[tuple[str, ...]] = ("constants",)

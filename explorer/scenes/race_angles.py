@@ -78,25 +78,25 @@ class RaceAngles(FromStates):
 
     box: Any = option(
         RANGES,
-        f"{BOX_NEAR_F}; with start anywhere as in falling-set",
-        words="that, in natural units",
+        f"with --start near: {BOX_NEAR_F}; with --start anywhere: as in falling-set",
+        words="these numbers, in natural units",
         follows=lambda self, given: self.box_of(given),
     )
     start: str = option(
         word_of("near", "anywhere"),
-        "near: passages that start at the vertical, near the falling set; anywhere: states in all of the phase "
-        "space, drawn or given, and their next approaches to flat",
-        words="near; with states, gaussian, density, or a box of more than phidot and sigma3: anywhere",
+        "near: upright, near the falling set; anywhere: in all of the phase space, random or given, and followed "
+        "to the next approaches to flat",
+        words="near; anywhere with states, gaussian, density, or a box of more than phidot and sigma3",
         follows=lambda self, given: "near" if isinstance(self, NearF) else "anywhere",
     )
     eta_hat: Range | None = option(
         RANGE,
-        f"with start near: {ETA_HAT}",
+        f"with --start near: {ETA_HAT}",
         words="1e-6:1e-2 natural units",
         follows=lambda self, given: self.eta_hat_of(given),
     )
     bounces: int = option(
-        whole_from(1, MOST), "how many approaches to flat of each state; with start near it is one", default=1
+        whole_from(1, MOST), "approaches to flat to follow from each state; one with --start near", default=1
     )
 
     name = "race-angles"

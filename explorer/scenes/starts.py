@@ -28,14 +28,14 @@ class FromDensity(SampledScene):
 
     box: Box | ChartBox = option(
         RANGES,
-        'where states are drawn, in the units of the disk: "phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2", evenly in '
-        "these, or, except in measure-zero, in tilt, precession and spin, with tilt_rate",
-        words="that, in natural units",
+        'ranges of uniform random states, in the units of the disk: "phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2", '
+        "or, except in measure-zero, of tilt, tilt_rate, precession and spin",
+        words="these numbers, in natural units",
         follows=lambda self, given: self.box_of(given),
     )
     energy: Range | None = option(
         OPEN_RANGE,
-        "only states with an energy in this range, in the units of the disk; :HIGH and LOW: leave one end open",
+        "only states with an energy in this range, in the units of the disk; LOW or HIGH may be left out",
     )
     gaussian: dict[str, Range] | None = option(
         GAUSSIANS,
@@ -100,8 +100,8 @@ class FromStates(FromDensity):
     )
     states: GivenStates | None = option(
         Reader(GivenStates.of, "FILE", "Path | str | States | Any"),
-        "Parquet or CSV file with states, instead of box: columns tilt, tilt_rate, precession, spin; or phi, "
-        "phidot, sigma3, sigma4; or phidot, sigma3_bar, eta_hat; all other columns are copied into the results",
+        "Parquet or CSV file with states, used instead of box: columns tilt, tilt_rate, precession, spin; or phi, "
+        "phidot, sigma3, sigma4; or phidot, sigma3_bar, eta_hat; other columns are copied into the results",
     )
 
     states_at_once: ClassVar[int] = 1 << 14  # intermediate arrays stay in a processor's cache
@@ -187,7 +187,7 @@ class FromStates(FromDensity):
 # vertical stands for draws anywhere along the motion.
 
 BOX_NEAR_F = (
-    "where motions start, at the vertical: speed towards flat and sigma3, in the units of the disk, as in "
+    "ranges of upright starts: phidot, the speed towards flat, and sigma3, in the units of the disk, as in "
     '"phidot=0.5:2,sigma3=-2:2"'
 )
 ETA_HAT = "distance |eta_hat| from the falling set, on both sides, in the units of the disk"
