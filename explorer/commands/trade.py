@@ -86,9 +86,9 @@ class Trade:
         Raises
         ------
         InputError
-            Where these samples do not let a method's error fall with its setting.
+            If these samples do not let a method's error fall with its setting.
         RunError
-            Where it cannot be written.
+            If it cannot be written.
         """
         return calibration.store(calibrate(self))
 

@@ -133,13 +133,13 @@ def both_sides(state: States, eta_hat: float | None = None, t_end: float | None 
     Raises
     ------
     InputError
-        Where the disk would not fall from the state, for more than one state, and where eta_hat or t_end is
+        If the disk would not fall from the state, if there is more than one state, or if eta_hat or t_end is
         not above 0.
 
     Warns
     -----
     StateWarning
-        Where the state is moved by more than the rounding of its rates, taken as 1e-12 of their size.
+        If the state is moved by more than the rounding of its rates, taken as 1e-12 of their size.
 
     Notes
     -----

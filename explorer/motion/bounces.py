@@ -133,7 +133,7 @@ def bounces(
     race_angle = delta_chi - fall_angle, where fall_angle is the increase of chi along the limit motion with the
     same sigma3_bar and energy over its own stretch: from the vertical to flat and back where it crosses the
     vertical, else from turning point to flat to turning point. So race_angle -> side kappa pi as eta -> 0, eq.
-    (7.9). Where the energy does not exceed V_0 there is no limit motion, and both are NaN. The bounces of a
+    (7.9). If the energy does not exceed V_0, there is no limit motion, and both are NaN. The bounces of a
     period add up to eqs (3.12), (3.13).
 
     Examples

@@ -34,7 +34,7 @@ class Forces(Result):
     sigma3_bar, eta_hat, phidot : array
         As given.
     min_normal_force : array
-        Least normal force, in m g. Where it is not positive a real disk would lift off.
+        Least normal force, in m g. If it is not positive, a real disk would lift off.
     max_friction : array
         Largest coefficient of friction that rolling needs; infinite where the normal force is not positive.
     status : array of int8

@@ -78,7 +78,7 @@ class LimitState(Table):
 class LimitMotion:
     """The one-sided continuation of a motion on F through all its impacts; call it with times.
 
-    Where sigma3_bar = sigma4_bar = 0 and the energy is above m g r, the disk swings over the vertical, as a
+    If sigma3_bar = sigma4_bar = 0 and the energy is above m g r, the disk swings over the vertical, as a
     pendulum, and falls to both flat states in turn. With sigma3_bar = 0 held, eta has the other sign on face -1,
     so that chi jumps to and fro while psi always jumps the same way.
 
@@ -216,12 +216,12 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     Raises
     ------
     InputError
-        Where the disk would not fall from that state, for a side that is not +1 or -1, and for several states.
+        If the disk would not fall from that state, for a side that is not +1 or -1, and for several states.
 
     Warns
     -----
     StateWarning
-        Where the state is moved by more than the rounding of its rates, taken as 1e-12 of their size.
+        If the state is moved by more than the rounding of its rates, taken as 1e-12 of their size.
 
     Notes
     -----

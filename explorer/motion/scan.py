@@ -130,7 +130,7 @@ def scan(
     Raises
     ------
     InputError
-        For an unknown name; where the function does not return one real number, or a row of them, for each
+        For an unknown name; if the function does not return one real number, or a row of them, for each
         state; and where it names an array like a coordinate or the status. What the function itself raises passes
         through.
 

@@ -161,7 +161,7 @@ class Trajectories:
 
         A state between two points of a curve is found by the method of the integration itself, from the point
         before: it is as accurate as they are, and no straight line.
-        Where t_eval was given the motion is integrated again from its start. In a race chidot is some 4/eta_hat
+        If t_eval was given, the motion is integrated again from its start. In a race chidot is some 4/eta_hat
         (natural units), and errors of the time count so many times in chi: the accuracy, which shifts the whole
         race, and the rounding of t, some 1e-15, so that below 1e-14 single times no longer tell where the race is.
         Its course is in the curve at any eta_hat: chi against phidot, phi or the path.
@@ -261,7 +261,7 @@ def simulate(
     Warns
     -----
     CoarseTimesWarning
-        Where chi, psi, path or contact is asked for and chi turns by more than pi/2 between two times of t_eval.
+        If chi, psi, path or contact is asked for, and chi turns by more than pi/2 between two times of t_eval.
 
     Notes
     -----

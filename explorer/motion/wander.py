@@ -138,7 +138,7 @@ def resonance(
     Raises
     ------
     InputError
-        Where there is no resonance between the two values, or no period.
+        If there is no resonance between the two values, or no period.
 
     Examples
     --------

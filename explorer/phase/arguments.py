@@ -41,7 +41,7 @@ def read_columns(named: dict[str, ArrayLike]) -> tuple[list[Array], tuple[int, .
     Raises
     ------
     InputError
-        Where one is no array of real numbers, or they do not broadcast.
+        If one is no array of real numbers, or they do not broadcast.
     """
     arrays = [column(name, value) for name, value in named.items()]
     try:
@@ -103,7 +103,7 @@ def read_range(name: str, value: Any, unbounded: bool = False) -> tuple[float, f
     Raises
     ------
     InputError
-        Where `value` is no range, or the range is empty.
+        If `value` is no range, or the range is empty.
     """
     form = "LOW:HIGH, LOW: or :HIGH" if unbounded else "LOW:HIGH"
     ends = value.split(":") if isinstance(value, str) else value

@@ -63,12 +63,12 @@ def rates_to_states(
     Raises
     ------
     InputError
-        Where an argument is not a number, or the shapes do not fit together.
+        If an argument is not a number, or the shapes do not fit together.
 
     Warns
     -----
     StateWarning
-        Where tilts lie outside 0 to pi, or all of them beyond upright, which suggests that they are in degrees.
+        If tilts lie outside 0 to pi, or all of them beyond upright, which suggests that they are in degrees.
 
     Examples
     --------
@@ -163,7 +163,7 @@ def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
     Raises
     ------
     InputError
-        Where the names do not make a complete set, or an argument is not a number.
+        If the names do not make a complete set, or an argument is not a number.
 
     Warns
     -----

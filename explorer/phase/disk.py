@@ -98,7 +98,7 @@ class Disk:
     Warns
     -----
     UserWarning
-        Where m or r is given and I3 exceeds 2 m r^2: mass then lies far beyond the rim, or moments were
+        If m or r is given and I3 exceeds 2 m r^2: mass then lies far beyond the rim, or moments were
         meant in units of m r^2, as `from_ratios` takes them.
 
     Examples

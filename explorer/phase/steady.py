@@ -158,7 +158,7 @@ def circular_rolling(disk: Disk, lean: float, radius: float) -> SteadyMotions:
     Raises
     ------
     InputError
-        Where the circle is too small for the lean, and for a disk with I3 = 0.
+        If the circle is too small for the lean, or for a disk with I3 = 0.
 
     Notes
     -----

@@ -32,7 +32,7 @@ def merge(*runs: Run) -> Run:
     InputError
         For runs of different questions, and for runs with the same seed, which share their samples.
     RunError
-        Where a run is not finished.
+        If a run is not finished.
 
     Examples
     --------

@@ -374,7 +374,7 @@ def open(folder: Path | str) -> Run:
     Raises
     ------
     InputError
-        Where there is no run, or one of another version. Where its scene is not known here, as soon as that is
+        If there is no run, or one of another version. If its scene is not known here, as soon as that is
         needed.
 
     Examples

@@ -296,7 +296,7 @@ def register(scene: K) -> K:
     Raises
     ------
     InputError
-        Where it is not such a class, or has the name of one of nearflat's own scenes.
+        If it is not such a class, or has the name of one of nearflat's own scenes.
 
     Examples
     --------
