@@ -222,6 +222,14 @@ def test_where_all_states_fall_the_probability_is_one_on_either_face(phi, event)
     assert found.interval[0] > 0.998
 
 
+def test_motions_on_f_that_first_come_to_the_other_face_fall_at_the_second_approach():
+    on_f = {"phidot": (-2, 2), "sigma3_bar": (0.2, 1), "samples": 4000, "accuracy": 1e-3}
+    for count, share in ((1, 0.5), (2, 1.0)):
+        found = ex.probability(UNIFORM, ("theta_min", 1e-6), count=count, eta_hat=0.0, **on_f)
+        beside = ex.probability(UNIFORM, ("theta_min", 1e-6), count=count, eta_hat=1e-12, **on_f)
+        assert found.estimate == beside.estimate == pytest.approx(share, abs=0.05)
+
+
 def test_draws_that_are_no_states_are_left_out():
     given = {**NEARLY_FLAT, "samples": 100_000}
     # A tenth of the first distribution lies below 0.
