@@ -114,6 +114,7 @@ COLUMNS = {
     "t": Column("Time since the start.", TIME),
     "path": Column("Centre of mass; it starts above the origin.", LENGTH, "(2.33)"),
     "contact": Column("Point of contact.", LENGTH, "(2.35)"),
+    "radius": Column("Of a steady motion: radius of the circle of the contact point.", LENGTH),
     "velocity": Column("Velocity of the centre of mass.", "length/time", "(2.33)"),
     "nu": Column("Angular velocity in space.", RATE, "(2.27), (2.29)"),
     # how likely it is

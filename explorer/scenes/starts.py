@@ -238,5 +238,6 @@ def check_eta_hat(span: Range, disk: Disk) -> None:
     nearest, furthest = (limit * disk.rate_unit for limit in _NEAR_F)
     if not nearest <= low <= high <= furthest:
         raise InputError(
-            f"eta_hat {low:g}:{high:g}: give LOW:HIGH with {nearest:g} <= LOW <= HIGH <= {furthest:g}"
+            f"eta_hat {low:g}:{high:g}: give LOW:HIGH with {nearest:g} <= LOW <= HIGH <= {furthest:g}; "
+            "scene one-sided has the limits at 0"
         )
