@@ -53,8 +53,9 @@ def smallest_tilts(states: States, count: int, accuracy: float) -> tuple[Array, 
     rows = np.flatnonzero((status == code.OK) | falls)
     motions = arc_starts_of(states, own).at(rows)
     ends = ends_of(states.disk, motions)
-    # The first approach may be on the other face than the one that is nearer to F.
-    elsewhere = (own[rows] * states.rows.p[rows] > 0.0) & ends.crosses & (count == 1)
+    # The first approach may be on the other face than the one that is nearer to F. A pendulum falls on both.
+    pendulum = falls & (states.motion.eta_plus == states.motion.eta_minus)
+    elsewhere = (own[rows] * states.rows.p[rows] > 0.0) & ends.crosses & ~pendulum[rows] & (count == 1)
     tilt, error = smallest(motions, ends) if count > 1 else tilts_on(elsewhere, motions, ends)
     falling = falls[rows] & ~elsewhere
     known = falling | (error <= accuracy)

@@ -57,8 +57,7 @@ class Bounces(Result):
         Duration of the passage, bounce or window.
     error_estimate : array
         Of the angles (rad), of the duration and of theta_min (relative) and of the time to the flattest moment
-        (relative, or in periods of the motion where it is shorter than one; in a swing by a small share of the
-        tilt that share of it, by which the tilt at this time is wrong), whichever is largest.
+        (relative, or in periods of the motion where it is shorter than one), whichever is largest.
     status : array of int8
         `Status` of each state.
     states : States
@@ -213,15 +212,13 @@ def _bounces(states: States, count: int, how: Plan) -> Bounces:
     first_error = lead.time_error + np.where(rises, 2.0 * (here.time_error + back_error), 0.0)
     error = each(there_and_back(here), there_and_back(there)) + np.nan_to_num(2.0 * fall.error)[:, None]
     error = np.fmax(error, each(*tilt_errors(motions, ends)))
-    # From its state the moment of a small swing is known no better than the tilt is: what the tilt errs by counts.
-    swing = np.fmin(ends.width, 1.0)
-    error = np.maximum(error, (swing * first_error / period)[:, None])
+    error = np.maximum(error, (first_error / period)[:, None])
     chi, psi = each(2.0 * here.chi, 2.0 * there.chi), each(2.0 * own * here.psi, -2.0 * own * there.psi)
     duration = each(2.0 * here.time, 2.0 * there.time)
     known = (np.isfinite(duration) & (error <= allowed(how.accuracy, chi, psi))).all(axis=1)
     later = number * to_other[:, None]
     time: Array = first[:, None] + later
-    late = ((swing * first_error)[:, None] + later * error.max(axis=1)[:, None]) / np.fmax(period[:, None], time)
+    late = (first_error[:, None] + later * error.max(axis=1)[:, None]) / np.fmax(period[:, None], time)
     fall_angle = np.broadcast_to(2.0 * fall.chi[:, None], chi.shape)
     none = np.zeros(chi.shape, np.int64)
     return Bounces(

@@ -256,8 +256,8 @@ class Chart(NamedTuple):
         used = {name: columns[name] for name in self.present(columns)}
         if degrees:
             used |= {name: np.radians(used[name]) for name in self.in_radians(used)}
-        if "tilt" in used:
-            warn_of_tilts(used["tilt"], degrees)
+        if "tilt" in used and not degrees:
+            warn_of_degrees(used["tilt"])
         return self.make(disk, **used)
 
 

@@ -12,8 +12,9 @@ pytestmark = pytest.mark.long
 
 PAGES = [page.relative_to(ROOT / "docs").with_suffix(".html") for page in sorted((ROOT / "docs").rglob("*.md"))]
 # Code and formulas that are wider than their place.
-CUT = """[...document.querySelectorAll('.bd-article pre, .bd-article .formula')]
-    .filter(each => each.scrollWidth > each.clientWidth + 1).map(each => each.textContent.slice(0, 60))"""
+CUT = """[...document.querySelectorAll(
+    '.bd-article pre, .bd-article .formula, .bd-article .sig, .bd-article-container')].filter(
+    each => each.scrollWidth > each.clientWidth + 1).map(each => each.textContent.slice(0, 60))"""
 # How far down what one should see at once reaches.
 LOWEST = """Math.max(...[...document.querySelectorAll('.landing img, .landing pre, .doors a')]
     .map(each => each.getBoundingClientRect().bottom))"""

@@ -66,16 +66,6 @@ def test_help_names_what_a_function_takes(name):
     assert named(sections(OBJECTS[name]).get("Parameters", "")) == set(inspect.signature(OBJECTS[name]).parameters)
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if inspect.isfunction(OBJECTS[name])])
-def test_keywords_that_travel_together_are_named_each(name):
-    """`**settings: Unpack[Settings]` stands for the keys of Settings."""
-    for parameter in inspect.signature(OBJECTS[name]).parameters.values():
-        if parameter.kind is parameter.VAR_KEYWORD:
-            for keys in typing.get_args(typing.get_type_hints(OBJECTS[name])[parameter.name]):
-                for key in keys.__annotations__:
-                    assert re.search(rf"\b{key} : ", inspect.getdoc(OBJECTS[name])), key
-
-
 @pytest.mark.parametrize("name", [name for name in NAMES if inspect.isclass(OBJECTS[name])])
 def test_help_names_what_a_class_holds(name):
     found = sections(OBJECTS[name])

@@ -103,7 +103,7 @@ def test_the_front_page_quotes_the_run_and_nothing_else_of_it_is_touched():
     made = tables.with_quoted(text, ROWS, "one core of another").split("\n")
     assert made[0] == "# Title"
     assert made[1].startswith(tables.FRONT + " | quadrature: - times heyoka on the ordinary equations")
-    assert "our Runge–Kutta is 2.0 and - times as fast | 1 |" in made[1]
+    assert "our Runge–Kutta: 2.0 and - times | 1 |" in made[1]
     assert made[2:] == ["", tables.ORIGIN + "one core of another (`here`). More (words).", ""]
 
 

@@ -290,23 +290,3 @@ def test_chosen_bounces_know_the_constants_of_their_motions():
         for name, values in motion_constants(found[rows]).items():
             np.testing.assert_array_equal(values, np.atleast_1d(whole[name][rows]), err_msg=name)
     assert ex.picture("race-histogram", found[found.face > 0]).axes
-
-
-@pytest.mark.parametrize("accuracy", [1e-6, 1e-9, 1e-11])
-@pytest.mark.parametrize("swing", [1e-7, 1e-9, 1e-12])
-def test_swings_however_small_have_bounces_where_they_have_a_period(swing, accuracy):
-    """Of a tilt that swings by 1e-9 doubles tell the moment to 1e-7 of the period, and so the tilt to 1e-16."""
-    disk, random, n = DISKS["uniform"], np.random.default_rng(5), 200
-    tilt, precession = random.uniform(0.1, 1.5, n), random.uniform(2.0, 4.0, n)
-    steady = ex.steady_motions(disk, tilt, precession)
-    near = 1.0 + swing * random.normal(size=(3, n))
-    states = ex.rates_to_states(disk, tilt * near[0], 0.0, precession * near[1], steady.spin * near[2])[
-        steady.stable
-    ]
-    bounces, periods = ex.bounces(states, 2, accuracy), ex.periods(states, accuracy)
-    assert periods.ok.mean() > 0.95
-    np.testing.assert_array_equal(bounces.ok[:, 1], periods.ok)
-    np.testing.assert_allclose(bounces.duration[:, 1], periods.period, rtol=accuracy)
-    np.testing.assert_allclose(bounces.delta_chi[:, 1], periods.chi, atol=accuracy)
-    np.testing.assert_allclose(bounces.delta_psi[:, 1], periods.psi, atol=accuracy)
-    assert np.nanmax(bounces.error_estimate) <= accuracy

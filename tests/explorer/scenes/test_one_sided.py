@@ -99,7 +99,7 @@ def test_a_box_that_is_given_holds_for_every_disk_and_the_default_one_is_in_natu
         for index in (0, default.chunks // len(default.disk))
     ]
     assert 0.5 < min(fast[0]) < max(fast[0]) < 2.0 < 10.0 < min(fast[1]) < max(fast[1]) < 40.0
-    for index in (0, given.blocks):
+    for index in (0, given.chunks // len(given.disk)):
         assert all(1.0 < abs(start["phidot"]) < 1.5 for start in given.starts(index))
 
 
