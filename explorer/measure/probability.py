@@ -313,14 +313,21 @@ def _law(near: NearFallingSet, counted: _Counted, random: Stream, draws: int) ->
     C = near.below(_SMALL, random, draws)
 
     @cache
-    def holds(delta: float) -> bool:
-        part = near.below(delta, random, _LEAST)
+    def off(delta: float) -> tuple[float, float]:
+        """By how much P differs from C delta, relative, and the standard error of that."""
+        part = near.below(delta, random, max(draws // 4, _LEAST))
         if min(C.effective, part.effective) < FEWEST:
-            return False
+            return math.inf, math.inf
         unit = C.estimate.value * (delta / _SMALL)
-        return bool(abs(part.estimate.value / unit - 1.0) <= _HOLDS + 3.0 * part.estimate.error / unit)
+        return abs(part.estimate.value / unit - 1.0), math.hypot(
+            part.estimate.error / unit, C.estimate.error / C.estimate.value
+        )
 
-    if not holds(_DELTAS[-1]):
+    def holds(delta: float) -> bool:
+        return sum(off(delta)) <= _HOLDS
+
+    away, error = off(_DELTAS[-1])
+    if not away <= _HOLDS + 3.0 * error < math.inf:
         return None
     # One delta may agree by chance, where P crosses the law.
     below = next((high for high, low in pairwise(_DELTAS) if holds(high) and holds(low)), _DELTAS[-1])

@@ -41,9 +41,14 @@ def tilt_of(states: Array) -> Array:
     return np.asarray(np.arctan2(q, abs(z)))
 
 
-def turning_points(states: States, how: Plan) -> TurningPoints:
-    """Follow every state forward to its next turning point, held to its sigma3_bar and eta."""
-    amplified = precision.amplification(precision.speed_at_vertical(states.disk, states.motion))
+def turning_points(states: States, how: Plan, tilts_only: bool = False) -> TurningPoints:
+    """Follow every state forward to its next turning point, held to its sigma3_bar and eta.
+
+    tilts_only: nothing else is asked for; a slow way over the vertical amplifies errors of the time and angles.
+    """
+    amplified = np.ones(len(states))
+    if not tilts_only:
+        amplified = precision.amplification(precision.speed_at_vertical(states.disk, states.motion))
     given = integration.InitialValues(
         *(states.disk, how, states.natural, states.motion, status_at_start(states)),
         np.full(len(states), how.control),
@@ -113,7 +118,7 @@ def _both_ways(states: States, how: Plan) -> tuple[Array, NDArray[np.int8], NDAr
 
     A start at rest is a turning point itself, which both of these pass over.
     """
-    ahead, behind = (turning_points(each, how) for each in (states, states.reversed()))
+    ahead, behind = (turning_points(each, how, tilts_only=True) for each in (states, states.reversed()))
     status = np.where(ahead.status == compiled.status.Status.OK, behind.status, ahead.status)
     theta, rest = np.minimum(ahead.theta, behind.theta), np.flatnonzero(states.rows.p == 0.0)
     theta[rest] = np.minimum(theta[rest], tilt_of(states.natural[:, rest]))
