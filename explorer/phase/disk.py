@@ -172,7 +172,7 @@ class Disk:
         return cls(m=m, r=r, g=g, I1=positive("disk: I1", I1) * unit, I3=axial, name=name)
 
     @classmethod
-    def annulus(cls, inner: float, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
+    def annulus(cls, inner: float, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """A flat uniform ring; inner is its inner over its outer radius, 0 (disk) to 1 (hoop).
 
         Examples
@@ -187,7 +187,7 @@ class Disk:
         return cls(m=m, r=r, g=g, I1=0.5 * axial, I3=axial, name=f"annulus-{inner:g}")
 
     @classmethod
-    def uniform(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
+    def uniform(cls, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """The uniform disk, eq. (2.5): m r^2 / I1 = 4.
 
         Examples
@@ -196,10 +196,10 @@ class Disk:
         >>> ex.Disk.uniform(m=0.02, r=0.05, g=9.81).kappa == ex.Disk.uniform().kappa == 5**0.5
         True
         """
-        return replace(cls.annulus(0.0, m, r, g), name="uniform")
+        return replace(cls.annulus(0.0, m=m, r=r, g=g), name="uniform")
 
     @classmethod
-    def hoop(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
+    def hoop(cls, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """The hoop, eq. (2.6): m r^2 / I1 = 2.
 
         Examples
@@ -208,10 +208,10 @@ class Disk:
         >>> ex.Disk.hoop().I1
         0.5
         """
-        return replace(cls.annulus(1.0, m, r, g), name="hoop")
+        return replace(cls.annulus(1.0, m=m, r=r, g=g), name="hoop")
 
     @classmethod
-    def matching(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
+    def matching(cls, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """The flat body with m r^2 / I1 = 3, for which both one-sided limit motions agree.
 
         Examples
@@ -290,15 +290,37 @@ class Disk:
         return self._inertia_unit * self.rate_unit
 
     def eta_hat_to_eta(self, eta_hat: Number) -> Number:
-        """eta = I3 r(0) eta_hat, eq. (6.2); both in natural units."""
+        """eta = I3 r(0) eta_hat, eq. (6.2); both in natural units.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> disk = ex.Disk.uniform()
+        >>> round(disk.eta_to_eta_hat(disk.eta_hat_to_eta(0.25)), 12)
+        0.25
+        """
         return eta_hat * self.body.I3 * self.body.r0
 
     def eta_to_eta_hat(self, eta: Number) -> Number:
-        """eta_hat = eta / (I3 r(0)), eq. (6.2); both in natural units. NaN where I3 = 0."""
+        """eta_hat = eta / (I3 r(0)), eq. (6.2); both in natural units. NaN if I3 = 0.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> round(ex.Disk.uniform().eta_to_eta_hat(1.0), 4)
+        1.3614
+        """
         return eta / (self.body.I3 * self.body.r0 if self.body.I3 > 0.0 else math.nan)
 
     def energy_at_flat(self, sigma3_bar: Number) -> Number:
-        """V_0, the amended potential at flat on a line l_+-, eq. (6.9); natural units. Needs I3 > 0."""
+        """V_0, the amended potential at flat on a line l_+-, eq. (6.9); natural units. Needs I3 > 0.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> round(ex.Disk.uniform().energy_at_flat(1.0), 4)
+        0.0869
+        """
         spin = sigma3_bar / (self.body.k * self.body.r0)  # the limit of sigma4 there, eq. (6.15)
         flat: Number = energy_at(self.body, 0.0, 0.0, spin, 0.0)
         return flat

@@ -118,7 +118,14 @@ class Run:
         return list(self._held) if self.folder is None else store.chunks_in(self.folder)
 
     def complete(self) -> list[store.Chunk]:
-        """All chunks, in order. Raises RunError where one is missing, or where there are two of its number."""
+        """All chunks, in order. Raises RunError if one is missing, or if there are two of its number.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> len(ex.run("race-angles", samples=100, chunk_size=50, progress=False).complete())
+        2
+        """
         if self._parts:
             return [chunk for part in self._parts for chunk in part.complete()]
         chunks, due = self.chunks, range(self.scene.chunks)
@@ -167,7 +174,14 @@ class Run:
             return self.scene.headline(self.summary)
 
     def renewed(self) -> "Run":
-        """The run with its numbers added up anew from its chunks, and stored where they are others than before."""
+        """The run with its numbers added up anew from its chunks; they are stored too.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> ex.run("race-angles", samples=100, progress=False).renewed().summary["samples"]
+        100
+        """
         vars(self).pop("_total", None)
         if self.folder is not None:
             store.write_json(self.folder / "summary.json", self.summary)
@@ -330,6 +344,12 @@ class Run:
         """Compute what is missing or damaged, and draw the pictures that are missing; returns the run itself.
 
         settings: how, as for `run`: jobs, backend, scheduler, format, figures, progress.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> ex.run("race-angles", samples=100, progress=False).resume(progress=False).status.chunks_done
+        1
         """
         if self._parts:
             raise InputError("several runs were merged here; resume each of them")

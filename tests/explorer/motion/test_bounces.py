@@ -9,7 +9,11 @@ from shares import anywhere
 import explorer as ex
 from explorer.motion.bounces import motion_constants
 
-DISKS = {"uniform": ex.Disk.uniform(), "hoop": ex.Disk.hoop(), "coin": ex.Disk.uniform(5.67e-3, 12.1e-3, 9.81)}
+DISKS = {
+    "uniform": ex.Disk.uniform(),
+    "hoop": ex.Disk.hoop(),
+    "coin": ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81),
+}
 
 
 @pytest.mark.parametrize("eta_hat", [1e-2, 1e-8, 1e-200])

@@ -121,7 +121,7 @@ def test_time_runs_backwards_along_the_same_motion(state):
 
 @given(STATES, st.floats(0.1, 20), st.floats(0.01, 5), st.floats(0.5, 30))
 def test_changing_units_changes_nothing_else(state, m, r, g):
-    plain, other = ex.Disk.uniform(), ex.Disk.uniform(m, r, g)
+    plain, other = ex.Disk.uniform(), ex.Disk.uniform(m=m, r=r, g=g)
     times = QUICK["t_eval"]
     rates = np.array([1.0, *([other.rate_unit] * 3)])
     one = ex.simulate(ex.phi_to_states(plain, *state), **QUICK)

@@ -23,7 +23,7 @@ def test_presets_have_the_papers_moments(name, ratio):
 @pytest.mark.parametrize(("name", "gap"), [("uniform", 1.483259), ("hoop", 4.599611), ("matching", 0.0)])
 def test_the_gap_between_the_limits_has_the_published_value_in_any_units(name, gap):
     for m, r, g in ((1, 1, 1), (0.0057, 0.0121, 9.81), (3e3, 1e3, 1.62)):
-        assert getattr(ex.Disk, name)(m, r, g).gap == pytest.approx(gap, abs=1e-6)
+        assert getattr(ex.Disk, name)(m=m, r=r, g=g).gap == pytest.approx(gap, abs=1e-6)
 
 
 def test_an_annulus_goes_from_uniform_to_hoop():

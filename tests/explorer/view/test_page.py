@@ -60,7 +60,7 @@ def test_bodies_with_a_button_are_known_again(disk, name):
 
 def test_units_of_the_disk_are_explained_where_they_are_not_natural():
     assert begins_with(view().html)["note"] == ""
-    assert "28.47" in begins_with(view(ex.Disk.uniform(1.0, 0.0121, 9.81), phidot=20.0).html)["note"]
+    assert "28.47" in begins_with(view(ex.Disk.uniform(r=0.0121, g=9.81), phidot=20.0).html)["note"]
 
 
 def test_a_notebook_gets_the_whole_page_in_a_frame():
