@@ -51,13 +51,13 @@ _TEXTS = {
     ),
     Status.BAD_INPUT: (
         "The numbers do not describe a state (not finite, too large, already flat, a face other than +1 and -1), "
-        "or start a passage with whose energy no motion falls flat.",
-        "Give finite numbers below 1e100 natural units, -pi/2 < phi < pi/2 and a speed towards flat of 0 or more, "
-        "enough to come near it.",
+        "or they start a passage whose energy is too low for the disk to come near flat.",
+        "Give finite numbers below 1e100 natural units and -pi/2 < phi < pi/2. For a passage, give a speed towards "
+        "flat that is not negative, and large enough to come near flat.",
     ),
     Status.STEP_LIMIT: (
-        "The limit of steps or nodes was reached before the event or the accuracy asked for: a slow start, or an "
-        "equilibrium near.",
+        "The limit of steps or nodes was reached before the event or the accuracy asked for. The start is slow, or "
+        "an equilibrium is near.",
         "Lower the accuracy (a larger `accuracy`), or try another `method`.",
     ),
     Status.STEP_TOO_SMALL: (
@@ -66,7 +66,7 @@ _TEXTS = {
     ),
     Status.NOT_FINITE: (
         "The integration overflowed or became undefined.",
-        "Start from slower rates, or leave `method` at 'auto'.",
+        "Start with lower rates, or leave `method` at 'auto'.",
     ),
     Status.INVARIANT_DRIFT: (
         "A constant of motion drifted further than the accuracy asked allows.",
@@ -74,6 +74,6 @@ _TEXTS = {
     ),
     Status.UNRESOLVED_SIDE: (
         "The error of eta is not small compared with eta, so the direction of the race is unknown.",
-        "Give eta_hat itself, to `constants_to_states` or `passages`, or stay further from F.",
+        "Give eta_hat itself, to `constants_to_states` or `passages`, or start further from F.",
     ),
 }
