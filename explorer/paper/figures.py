@@ -137,19 +137,19 @@ class PaperFigure:
         text = f"{'' if own else 'As '}Fig. {figure}. {text}"
         if own and figure >= 8:
             text += " The paper prints 0.01 for both panels; the right one is −0.01."
-        return f"{text} Dotted: the one-sided limit of the same start."
+        return f"{text} Dotted: the limit motion of the same side of F, from the same start."
 
 
 _OF_SIDES = "with η̂₊ = {eta} on the left and −{eta} on the right, on one scale"
 _CHI = (
-    "The angle χ(t) of {body} over {turns} periods, " + _OF_SIDES + ". Each time the disk nearly falls, χ jumps by "
-    "κπ (κ = {kappa}): up on one side of F, down on the other."
+    "The angle χ(t) of {body} over {turns} periods, " + _OF_SIDES + ". Each time the disk nearly falls, χ jumps "
+    "by κπ (κ = {kappa}): up on one side of F, down on the other."
 )
 _AXIS = (
-    "The axis v = A e₃ of {body}, projected onto the table, over {turns} periods, with η̂₊ = {signed}. Left: the "
-    "whole path. Right: its middle, enlarged. The path starts on the equator and comes in to the origin, where the "
-    "disk is nearly flat. There it turns by κπ (κ = {kappa}) about the origin, and then it leaves. It is dashed "
-    "where v₃ < 0."
+    "The axis of {body}, the unit vector v = A e₃, projected onto the table, over {turns} periods, with "
+    "η̂₊ = {signed}. Left: the whole path. Right: its middle, enlarged. The path starts on the circle of radius 1, "
+    "where the disk is upright, and comes in to the origin, where it is nearly flat. There it turns by κπ "
+    "(κ = {kappa}) about the origin, and then it leaves. It is dashed where v₃ < 0."
 )
 _CENTRE = (
     "The path of the centre of mass of {body} seen from above, over {turns} periods, " + _OF_SIDES + ". At the "

@@ -229,7 +229,8 @@ def misprints_page(rows: Iterable[Row]) -> str:
         "",
         "Each is decided by a number that a statement of [statements.md](statements.md) compares: how far the "
         f"printed form is off and how far the right one. The first must be at least {FACTOR:g} times what the "
-        "second is allowed. Off by less than 1e-07: only what is allowed is shown.",
+        "second is allowed. Off by less than 1e-07: only what is allowed is shown. *Compared* names a quantity, "
+        "what it becomes if the printed formula is used, and the value that the right formula leads to.",
     ]
     head = ("where", "printed", "right", "statement", "compared", "printed is off by", "right is off by")
     none = ("none", "nothing", "", "")
