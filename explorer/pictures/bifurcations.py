@@ -58,8 +58,9 @@ _SAME = 1e-9  # of an energy: nearer levels are one
 
 @picture(
     Question.WHICH_MOTIONS,
-    "The tilt of steady motions along a path in the plane of constants, solid where they are stable and dashed "
-    "where they are not. At the thin vertical line a branch appears, ends or changes its stability.",
+    "The tilt of steady motions, those that keep their tilt, along a path in the plane of constants: solid where "
+    "they are stable, dashed where they are not. At the thin vertical line a branch appears, ends or changes its "
+    "stability.",
     group="phase",
     portraits=lambda asked: [(f"steady-{path}", (asked.disk, path)) for path in PATHS],
 )
@@ -94,10 +95,10 @@ def bifurcation_of_tilts(ax: Axes, disk: Disk, path: str) -> None:
 
 @picture(
     Question.WHICH_MOTIONS,
-    "Which motions there are, by energy, along a path in the plane of constants. Up to three kinds of curve cut "
-    "the plane into regions: the energies of stable steady motions, those of unstable ones, and, on l₊, the "
-    "energy V₀ above which the disk can reach flat. For each letter there is a phase portrait in the picture of "
-    "the regions.",
+    "Which motions there are at each energy, the vertical axis, along a path in the plane of the two constants "
+    "of motion, the horizontal axis. Up to three kinds of curve cut the plane into regions: the energies of "
+    "stable steady motions, those of unstable ones, and, on l₊, the energy V₀ above which the disk can reach "
+    "flat. For each letter there is a phase portrait in the picture of the regions.",
     group="bifurcation",
     portraits=lambda asked: [(f"bifurcation-{path}", (asked.disk, path)) for path in _DRAWN],
 )

@@ -193,7 +193,7 @@ def _plane(ax: Axes, disk: Disk) -> None:
     "The names of angles and constants. Above, the disk on its table: φ is the angle of its plane to the "
     "vertical, θ that of its axis, χ the direction in which the contact point lies, ψ how far it has moved along "
     "the rim. Below, the constants of motion: only on the line l₊ does the disk fall flat on face +1, and the "
-    "sign of the distance η̂ to it is the side of F.",
+    "sign of the distance η̂ from this line says on which side of the falling set F a motion is.",
     (SIZE[0], 8.6),
     "definitions",
 )

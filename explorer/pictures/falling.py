@@ -55,8 +55,8 @@ def constants_plane(ax: Axes, samples: States | ConstantsPlane, cells: int = 100
 @picture(
     Question.HOW_RARELY,
     "The share of samples that come flatter than δ; the band is the 95 % uncertainty of the counts. It decreases "
-    "in proportion to δ, as the dashed line does: F has codimension one, so nearly falling flat is rare, and "
-    "falling flat has probability zero.",
+    "in proportion to δ, as the dashed line does, because F has just one dimension less than the space of states "
+    "(codimension one). So nearly falling flat is rare, and falling flat has probability zero.",
 )
 def theta_min(ax: Axes, theta: LogHistogram | ArrayLike, samples: int | None = None) -> None:
     """Draw the share of samples that come flatter than delta, and a guide of slope one: codimension one.

@@ -164,9 +164,9 @@ def race_collapse(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 1e-2, 1
 @picture(
     Question.HOW_FAR,
     "Motions near F, drawn by two rates that stay bounded at flat: the rate of the tilt, and ρ/κ, where ρ is the "
-    "speed of the contact point along the rim. The nearer to F, the closer they keep to one orbit of the flat "
-    "state, half of a circle from the impact at −A to the rise at +A, one half for each side of F. This orbit is "
-    "the race, and the angle along it is ±κπ.",
+    "speed of the contact point along the rim. The nearer to F, the closer they keep to an orbit that the flat "
+    "state itself has in this plane: half of a circle, from the impact at −A to the rise at +A, one half for "
+    "each side of F. This orbit is the race: along it the contact point turns by ±κπ.",
     group="limit",
 )
 def blow_up(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.01, 0.001)) -> None:

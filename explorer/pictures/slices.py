@@ -65,9 +65,9 @@ def colour_tilt(ax: Axes, x: Array, y: Array, theta: Array, method: str) -> None
 @picture(
     Question.FROM_WHERE,
     "How flat the disk comes, for every start in a plane of the phase space. The bright valleys are the falling "
-    "set F, and the dashed lines on them are F as the algebra gives it. Where the colour changes abruptly, the "
-    "motion belongs to another valley (well) of the potential: F ends there, and thin lines go on where η is 0 "
-    "and the disk does not fall.",
+    "set F, and the dashed lines on them are F as the algebra gives it. Where the colour changes abruptly, "
+    "motions begin that belong to another well of the potential in which the tilt moves. F ends there; the thin "
+    "lines that continue it show where η is 0 although the disk does not fall.",
 )
 def slice_of_tilts(ax: Axes, cut: SliceMap) -> None:
     """Draw theta_min on what `explorer.slice_map` returned, and the exact falling set over it.
@@ -127,8 +127,9 @@ def _zero_line(ax: Axes, cut: SliceMap, values: Array, style: object, width: flo
     Question.FROM_WHERE,
     "Which way the contact point races, for every start in a plane of the phase space: blue on one side of F, "
     "vermilion on the other. The flatter the disk comes, the stronger is the colour. F is where the strong "
-    "colours meet. Hatched motions come near flat too, but would not fall at η = 0 with the same φ, σ̄₃ and "
-    "energy. Where a colour changes abruptly, the motion belongs to another valley (well) of the potential.",
+    "colours meet. In hatched regions the disk would not fall even if η were 0 and φ, σ̄₃ (a constant of motion) "
+    "and the energy were the same. Where a colour changes abruptly, motions begin that belong to another well of "
+    "the potential in which the tilt moves.",
     group="slices",
     portraits=lambda asked: (
         (f"slice-{number}", (slice_map(asked.disk, where),))
@@ -193,8 +194,8 @@ def _name_sides(ax: Axes, cut: SliceMap, signed: Array) -> None:
 
 @picture(
     Question.FROM_WHERE,
-    "An observable of the user's own over a plane of the phase space, or over the states that were scanned. "
-    "On a plane the broken lines are the falling set F as the algebra gives it.",
+    "An observable of the user's own over a plane of the phase space, or over the states that were scanned. On a "
+    "plane the dashed lines are the falling set F as the algebra gives it.",
 )
 def observable(ax: Axes, found: SliceMap | Scan, name: str | None = None) -> None:
     """Draw an observable of `explorer.slice_map` or `explorer.scan`, in colour or as a line.

@@ -75,7 +75,8 @@ def steady_plane(ax: Axes, disk: Disk) -> None:
 @picture(
     Question.WHICH_MOTIONS,
     "Circular rolling by lean and precession: where it is stable, and where it is not. Along each line the disk "
-    "rolls on circles of the same radius. Slow rolling in the unstable tongue falls over.",
+    "rolls on circles of the same radius. In the dark tongue, where the precession is slow, rolling is unstable, "
+    "and the disk falls over.",
     group="phase",
 )
 def steady_map(ax: Axes, disk: Disk) -> None:
