@@ -107,8 +107,8 @@ def bifurcation_of_energies(
 ) -> None:
     """Draw the energies of steady motions along a path, section 6.2, and the regions that they bound.
 
-    path: as for bifurcation-of-tilts. places: values of its parameter and energies, units of the disk, which get
-    a letter; by default one in each region.
+    path: as for bifurcation-of-tilts. places: pairs of a value of the parameter of the path and an energy, units
+    of the disk, which get a letter; by default one in each region.
     """
     threshold = max(path_values(disk, one_of("path", path, PATHS))[1])
     places = [place for place, _ in _of_places(disk, path, threshold, places)]

@@ -37,7 +37,7 @@ _LIMIT: dict[str, Any] = {"color": LAW, "lw": 0.9, "ls": ":"}
     "steep as η ln(1/η), the dotted line, of which only the slope counts.",
 )
 def one_sided_distance(ax: Axes, summary: dict[str, Any]) -> None:
-    """Draw the distance to the limit motion of the same side against |eta_hat|, of the worse side, for each disk.
+    """Draw the distance to the limit motion against |eta_hat| for each disk, on the side where it is larger.
 
     summary: of a run of scene one-sided.
     """

@@ -269,7 +269,8 @@ def _curves(places: dict[str, Potential]) -> list[tuple[str, tuple[Any, ...]]]:
 def potentials(ax: Axes, several: Sequence[Potential], near_flat: bool = False) -> None:
     """Draw V, eqs (3.8) and (6.9), of several potentials of one disk and one sigma3_bar, with its equilibria.
 
-    near_flat: over the tilt from the flat state of their face, on a logarithmic axis, where the wall rises.
+    near_flat: draw them against the tilt from the flat state of their face, on a logarithmic axis, which shows
+    how the wall rises.
     """
     disk = several[0].disk
     top = max(float(each.V(0.0)) for each in several) + (0.2 if near_flat else 0.6) * disk.energy_unit

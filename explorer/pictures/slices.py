@@ -65,7 +65,7 @@ def colour_tilt(ax: Axes, x: Array, y: Array, theta: Array, method: str) -> None
 @picture(
     Question.FROM_WHERE,
     "How flat the disk comes, for every start in a plane of the phase space. The bright valleys are the falling "
-    "set F, and the dashed lines on them are F as the algebra gives it. Where the colour changes abruptly, "
+    "set F, and the lines drawn on them are F as the algebra gives it. Where the colour changes abruptly, "
     "motions begin that belong to another well of the potential in which the tilt moves. F ends there; the thin "
     "lines that continue it show where η is 0 although the disk does not fall.",
 )
@@ -139,8 +139,9 @@ def _zero_line(ax: Axes, cut: SliceMap, values: Array, style: object, width: flo
 def slice_of_sides(ax: Axes, cut: SliceMap) -> None:
     """Draw to which side the contact point races and how flat the disk comes, of `explorer.slice_map`.
 
-    Blue where eta > 0 on the nearer face, vermilion where eta < 0, the stronger the smaller theta_min; hatched
-    where the disk would not fall on that face if eta were exactly 0 at the same phi, sigma3_bar and energy.
+    Blue where eta > 0 on the nearer face, vermilion where eta < 0; the smaller theta_min, the stronger the colour.
+    Hatched where the disk would not fall on that face if eta were exactly 0 at the same phi, sigma3_bar and
+    energy.
     """
     signed = signed_tilt(cut)
     mesh = ax.pcolormesh(cut.x, cut.y, signed, cmap=_BOTH_SIDES, vmin=-1.0, vmax=1.0, rasterized=True)

@@ -82,7 +82,7 @@ def steady_plane(ax: Axes, disk: Disk) -> None:
 def steady_map(ax: Axes, disk: Disk) -> None:
     """Draw circular rolling over lean and precession: which motions are stable, and the radii of their circles.
 
-    At lean 0 stands spinning upright, stable above its threshold; straight rolling is the corner.
+    Spinning upright is at lean 0, and is stable above its threshold; straight rolling is the corner.
     """
     unit = disk.rate_unit
     lean, precession = np.linspace(1e-3, HALF_PI - 1e-3, 241), np.linspace(0.02, 3.2, 321) * unit

@@ -95,7 +95,7 @@ def against_eta(samples=20_000, rounds=5):
 
 def eta_lines(rows):
     """The table of `against_eta`."""
-    yield "| |eta_hat| | " + " | ".join(METHODS) + " |"
+    yield "| abs(eta_hat) | " + " | ".join(METHODS) + " |"
     yield "|---|" + "---|" * len(METHODS)
     for exponent, row in rows:
         cells = ("-" if cell is None else f"{cell:.2f}" for cell in row)
@@ -186,9 +186,10 @@ def sizes():
         "# Time and memory against the number of samples",
         "",
         "Made by `python tests/reference/report_scaling.py`, on an " + processor() + ".",
-        "*States*: the scene falling-set. It draws states, and finds their side of F, their distance from F and",
-        "whether they could fall. No rows are stored. *Passages*: the scene race-angles, with all rows stored on",
-        "disk. Both times include the summary, but no pictures. Memory is the peak of the process.",
+        "*States*: the scene falling-set. It draws states, and finds their side of the falling set F, their",
+        "distance from F and whether they could fall. No rows are stored. *Passages*: the scene race-angles, with",
+        "all rows stored on disk. Both times include the summary, but no pictures. Memory is the peak of the",
+        "process.",
         "",
         "| work | samples | jobs | samples per second | memory (MB) | faster than one job |",
         "|---|---|---|---|---|---|",
