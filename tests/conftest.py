@@ -105,7 +105,7 @@ def private(tmp_path, monkeypatch):
 def traded(made_once):
     """Every method measured on a few passages and motions of the hoop."""
     few = {"samples": 300, "motions": 64, "eta_hat": (1e-8, 1.0), "progress": False}
-    return made_once("traded", lambda: trade("race-angles", disk=BODIES["hoop"], **few))
+    return made_once("traded", lambda: trade(disk=BODIES["hoop"], **few))
 
 
 SAVE = Figure.savefig

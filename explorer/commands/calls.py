@@ -78,18 +78,15 @@ def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
     return planned(asked(scene, options))
 
 
-def trade(scene: str | type[Scene] | None = None, **options: Any) -> Trade:
-    """Measure the error and the cost of every method on the samples of a scene, and on its motions in time.
+def trade(**options: Any) -> Trade:
+    """Measure the error and the cost of every method on passages near the falling set, and on motions in time.
 
-    Passages are compared with quadrature along arcs, which uses no tables; smallest tilts with quadrature; motions
-    in time with far finer steps. Costs are those of the calls that the scene and `simulate` make, on one core,
-    without compile time.
+    Passages are compared with quadrature along arcs, which uses no tables, motions in time with far finer steps.
+    Costs are those of the calls `passages` and `simulate`, on one core, without compile time. For states of your
+    own use `compare`.
 
     Parameters
     ----------
-    scene : str or type, optional
-        As for `run`; by default the passages of race-angles, with |eta_hat| from 1e-8 to 1 natural units.
-        `samples` is 4096 unless it is given.
 
     Returns
     -------
@@ -99,14 +96,14 @@ def trade(scene: str | type[Scene] | None = None, **options: Any) -> Trade:
     Raises
     ------
     InputError
-        For an option that the scene does not take, a scene in which no method is chosen, and too few samples.
+        For an option that it does not take, and for too few samples.
 
     Examples
     --------
     >>> import explorer as ex
-    >>> found = ex.trade("race-angles", disk="hoop", samples=1024, motions=0)  # doctest: +SKIP
+    >>> found = ex.trade(disk="hoop", samples=1024, motions=0)  # doctest: +SKIP
     """
-    return measured(scene, options)
+    return measured(Trading.of(options))
 
 
 def _entries(kinds: list[type[Options]]) -> dict[str, str]:
@@ -125,16 +122,16 @@ def _entries(kinds: list[type[Options]]) -> dict[str, str]:
     return entries
 
 
-def _document(function: Callable[..., Any], more: type[Options]) -> None:
-    """Let help() and inspect.signature() name the options of all scenes."""
-    entries = _entries([more, *map(scene_class, NAMES)])
-    signature = inspect.signature(function)
-    scene, _ = signature.parameters.values()
+def _document(function: Callable[..., Any], kinds: list[type[Options]]) -> None:
+    """Let help() and inspect.signature() name all options."""
+    entries, signature = _entries(kinds), inspect.signature(function)
+    *others, _ = signature.parameters.values()
     words = [inspect.Parameter(word, inspect.Parameter.KEYWORD_ONLY, default=None) for word in entries]
-    vars(function)["__signature__"] = signature.replace(parameters=[scene, *words])
+    vars(function)["__signature__"] = signature.replace(parameters=[*others, *words])
     text = inspect.cleandoc(function.__doc__ or "")  # empty where docstrings are left out (python -OO)
     function.__doc__ = text.replace("\n\nReturns\n", "\n" + "\n".join(entries.values()) + "\n\nReturns\n", 1)
 
 
-for _function, _more in ((run, Settings), (plan, Settings), (trade, Trading)):
-    _document(_function, _more)
+for _function in (run, plan):
+    _document(_function, [Settings, *map(scene_class, NAMES)])
+_document(trade, [Trading])

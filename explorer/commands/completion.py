@@ -7,7 +7,7 @@ from explorer.commands import Answer
 from explorer.scenes.scene import NAMES
 
 # Of these the options depend on the scene.
-_OF_SCENES = ("run", "plan", "trade")
+_OF_SCENES = ("run", "plan")
 _SCRIPT = """_nearflat() {{
   local words
   case "${{COMP_WORDS[*]:1:COMP_CWORD-1}} " in

@@ -7,7 +7,6 @@ from typing import Any
 
 from explorer import compiled
 from explorer.commands import Answer
-from explorer.commands.gallery import write_page
 from explorer.errors import MOST_JOBS, InputError, note
 from explorer.motion.plan import method_in_words
 from explorer.runs.run import Run, execute
@@ -48,6 +47,8 @@ def demo(given: Demo, command: str, quiet: bool) -> list[Run]:
 
     command: what the page says that it was made by. Raises InputError where it holds something else.
     """
+    from explorer.commands.pages import write_page
+
     out, own = given.out, {*(name for name, _, _ in _STEPS), COMPARED, PAGE}
     if out.exists() and not (out.is_dir() and {path.name for path in out.iterdir()} <= own):
         raise InputError(f"out {out}: is not empty and holds no earlier demo; give another folder")

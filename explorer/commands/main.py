@@ -42,7 +42,7 @@ class Command(NamedTuple):
 _COLLECTED = 50_000
 _RUN = "race-angles --disk hoop --samples 1e5 --eta-hat 1e-6:1e-2 --out results/races"
 _PASSAGE = "--disk uniform --sigma3-bar 1 --eta-hat -1e-6 --phidot 1 --json"
-_PLAN, _TRADE = "race-angles --disk hoop --samples 1e7 --jobs 2", "race-angles --disk hoop --eta-hat 1e-8:1"
+_PLAN, _TRADE = "race-angles --disk hoop --samples 1e7 --jobs 2", "--disk hoop --eta-hat 1e-6:1e-2"
 _RARE = "--event theta_min:1e-6 --tilt norm:60:5 --precession norm:0:30 --spin=-30:30 --degrees"
 _VIEW = "--disk hoop --eta-hat -1e-12 --out page.html --open"
 _STORED = "results/race-angles-uniform-0"
@@ -73,15 +73,12 @@ COMMANDS = {
     "columns": Command(
         "columns", "Explain every column of the results, and every status of a sample.", "race-angles"
     ),
-    "trade": Command("trade", "Measure error and cost of every method on a scene's samples.", _TRADE),
+    "trade": Command("trade", "Measure error and cost of every method on passages near the falling set.", _TRADE),
     "paper": Command(
         "paper", "Check the paper's statements, draw its figures; status 1 if one fails.", "--only LEMMA-5"
     ),
     "portrait": Command("portrait", "Draw F, phase portraits, slices, races, paths and a film.", "--disk hoop"),
     "view": Command("view", "Write a web page: an article on what the disk does, and controls to try it.", _VIEW),
-    "gallery": Command(
-        "gallery", "Write README.md of a folder of results: every picture with its caption and command.", "results"
-    ),
     "completion": Command(
         "completion", "Print completions for bash and zsh; to use them: source <(nearflat completion).", ""
     ),
@@ -138,15 +135,10 @@ def _outer_parser() -> Parser:
     lines = [f"  {name:{width}}  {command.text}" for name, command in COMMANDS.items()]
     parser = Parser(
         "nearflat",
-        usage="nearflat [--arithmetic strict|relaxed] COMMAND ...",
+        usage="nearflat COMMAND ...",
         description="Explore the phase space of the rolling disk that nearly falls flat.\n\n" + "\n".join(lines),
         epilog="nearflat COMMAND --help says what a command takes; to begin: nearflat demo",
         formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.add_argument(
-        "--arithmetic",
-        choices=("strict", "relaxed"),
-        help="relaxed lets the compiler reorder operations: faster, and the last digits depend on the machine",
     )
     installed = installed_version() or "(not installed)"
     parser.add_argument("--version", action="version", version=f"nearflat {installed}")
@@ -172,9 +164,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 outer.print_help()
                 return 2
             _require_known(asked.command)
-            if asked.arithmetic is not None:
-                # Read when the kernels are first loaded, here and in worker processes.
-                os.environ["NEARFLAT_ARITHMETIC"] = asked.arithmetic
             name = f"nearflat {asked.command}"
             warnings.showwarning = lambda message, *_place: print(f"{name}: {message}", file=sys.stderr)
             options = parser_of(asked.command, asked.words).parse_args(asked.words)

@@ -28,7 +28,7 @@ class RunPlan:
     cost : str
         Work per sample in words.
     estimate : Estimate
-        Time (s), memory and room on the disk (bytes) of the run, measured on a few of its chunks.
+        Time (s), memory and room on the disk (bytes) of the run without pictures, measured on a few chunks.
 
     Examples
     --------
@@ -49,12 +49,11 @@ class RunPlan:
 
     def __str__(self) -> str:
         far = self.estimate
-        figures = f", {far.seconds_for_figures:.0f} s of it for pictures" if far.seconds_for_figures else ""
         more = f", more than the {size(far.free)} free" if far.free is not None and far.disk > far.free else ""
         lines = {name: value for name, value in vars(self).items() if name != "estimate" and value} | {
             "observables": ", ".join(self.observables),
             "samples": f"{far.samples:,} in {far.chunks:,} chunks",
-            "time": f"about {duration(far.seconds)}{figures} (measured on {far.probed} chunks)",
+            "time": f"about {duration(far.seconds)} without pictures (measured on {far.probed} chunks)",
             "memory": f"about {size(far.memory)}",
             "disk": f"about {size(far.disk)}{more}" if far.disk else "nothing is stored",
         }

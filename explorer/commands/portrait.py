@@ -48,10 +48,10 @@ _OF_PHASE = {each.name for each in options_of(Portrait)} - {each.name for each i
 def portrait(asked: Drawn, given: dict[str, Any], quiet: bool = True) -> list[Path]:
     """Draw all groups of pictures, or one, into a folder; returns the files.
 
-    given, for the group phase, as for scene portrait: sigma3_bar, sigma4_bar or eta_hat, energy, well. Raises
+    given, for the group phase, as for scene portrait: sigma3_bar, sigma4_bar or eta_hat, energy. Raises
     InputError where they cannot be used, and for the hero or the film alone where there is no browser.
     """
-    from explorer.commands.gallery import write_page
+    from explorer.commands.pages import write_page
     from explorer.view import record
     from explorer.view.browser import find
 

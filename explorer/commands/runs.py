@@ -11,6 +11,7 @@ from explorer.errors import note
 from explorer.runs.merge import merge
 from explorer.runs.run import open
 from explorer.runs.settings import Settings
+from explorer.runs.store import write_json
 
 _RESUME = ("jobs", "backend", "scheduler", "format", "figures")
 
@@ -60,7 +61,9 @@ def _resume(options: argparse.Namespace) -> Answer:
 
 def _summary(options: argparse.Namespace) -> Answer:
     runs = [open(folder) for folder in options.folder]
-    run = runs[0].renewed() if len(runs) == 1 else merge(*runs)
+    run = runs[0] if len(runs) == 1 else merge(*runs)
+    if run.folder is not None:
+        write_json(run.folder / "summary.json", run.summary)
     for each in run.changed():
         note(f"the summary is by what is here now: {each}", options.quiet)
     return Answer(run.summary, "\n".join(run.headline))

@@ -1,68 +1,113 @@
-"""`nearflat trade`: speed against accuracy, measured on the samples of a scene."""
+"""`nearflat trade`: speed against accuracy, measured on passages near F and on motions in time."""
 
 import argparse
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+import platform
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from explorer import compiled
-from explorer.commands import Answer, trade_report
-from explorer.commands.run import add_scene, given_by
-from explorer.errors import InputError, flag, note, positive, said
+from explorer.commands import Answer
+from explorer.errors import InputError, flag, note, positive
+from explorer.measure.sampling import Range
 from explorer.motion import calibration
-from explorer.motion.work_precision import Measured, Row, curves, largest_errors, measure, only_errors
-from explorer.phase.disk import Disk
-from explorer.phase.paths import made_folder, path_of
-from explorer.runs.settings import Settings
-from explorer.scenes.options import Options, Reader, option, whole_from
-from explorer.scenes.scene import Scene, scene_class
+from explorer.motion.reference_samples import ReferencePassages, ReferenceSamples, through_time
+from explorer.motion.vertical import starts_at_vertical
+from explorer.motion.work_precision import Measured, Row, curves, largest_errors, measure
+from explorer.phase.disk import SYNTAX, Disk
+from explorer.phase.paths import made_folder
+from explorer.phase.states import constants_to_states
+from explorer.scenes.options import DISK, FOLDER, RANGE, RANGES, TRUTH, Options, Reader, option, whole_from
+from explorer.scenes.race_angles import NearF, start_of
+from explorer.scenes.scene import joined
+from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT
 
-# The time of fewer passages or tilts is mostly that of the call.
-FEWEST, MOTIONS = 256, 1024
-# Without a scene: passages at all these distances from F, natural units.
-PLAIN, ALL_DISTANCES = "race-angles", (1e-8, 1.0)
-# Errors are calibrated on all of these too, so that they hold for bodies nobody measured.
-BODIES = (Disk.uniform(), Disk.hoop(), Disk(I1=0.02, I3=0.04), Disk(I1=0.5, I3=0.3))
-_OF_EACH_BODY = 1024, 64  # passages, motions
-_MEASURED = ("method", "accuracy")
+_REFERENCE = {
+    "passages": "quadrature along arcs at 1e-11, which uses none of the tables of the methods that are measured",
+    "motions": "rk8 with steps far finer than any accuracy needs",
+}
+_ABOUT = """Times are those of `passages` and `simulate`: processor time of one core, without compile time, the
+least of several interleaved rounds. Compare them only within this page. Each setting is judged at the accuracy
+for which it would be chosen, twice its error. At that accuracy, *unresolved* is the share of samples whose side
+of F is unknown, *refused* the share without an answer for another reason, and *wrong_way* counts samples that
+came out on the other side of F. No other integrator is as fast and as accurate as those *on_front*."""
+# The columns of a table, with their formats
+_COLUMNS = {
+    **{"method": "", "setting": ".2g", "median": ".0e", "p99": ".0e", "largest": ".0e"},
+    **{"evaluations": ".0f", "nanoseconds": ".0f", "unresolved": ".1%", "refused": ".1%"},
+    **{"wrong_way": "", "on_front": ""},
+}
 
 
 class Trading(Options):
-    """What is measured beside the samples of the scene."""
+    """Passages that start near the falling set at the vertical, and motions in time from the same starts."""
 
+    disk: Disk = option(DISK, f"disk: {SYNTAX}", default=Disk.uniform())
+    # The time of fewer is mostly that of the call.
+    samples: int = option(whole_from(256), "number of passages", default=4096)
+    seed: int = option(whole_from(0, 2**128 - 1, "S"), "seed of the random streams", default=0)
+    box: Any = option(RANGES, BOX_NEAR_F, words="the numbers of the example, in natural units")
+    eta_hat: Range = option(
+        RANGE,
+        ETA_HAT,
+        words="1e-8:1 natural units",
+        follows=lambda self, given: given or (1e-8 * self.disk.rate_unit, self.disk.rate_unit),
+    )
     motions: int = option(
         whole_from(0),
         "of how many samples, from the first on, the motions in time are measured too; 0 for none",
-        default=MOTIONS,
+        default=1024,
     )
     t_end: float | None = option(
         Reader(positive, "T", "float | str"),
         "end of these motions, in the units of the disk",
-        words="2.5 natural units, about a passage; in one-sided the times of the scene",
+        words="2.5 natural units, about a passage",
     )
     progress: bool | None = option(Reader(flag, None, "bool | None"), "False prints nothing")
+
+    @property
+    def scene(self) -> NearF:
+        """The scene whose samples they are."""
+        said = {name: getattr(self, name) for name in ("disk", "samples", "seed", "box", "eta_hat")}
+        return NearF(**said)
+
+    def reference_samples(self) -> list[ReferenceSamples]:
+        """The passages, and the motions if some are asked."""
+        scene = self.scene
+        drawn = joined([block for index in range(scene.chunks) for block in scene.blocks(index)])
+        passages = ReferencePassages(self.disk, starts_at_vertical(self.disk, *start_of(drawn)))
+        first = {name: values[: self.motions] for name, values in drawn.items()}
+        motions = through_time(constants_to_states(self.disk, **first), self.t_end)
+        return [passages, motions] if self.motions else [passages]
+
+
+class Asked(Trading):
+    """What becomes of the numbers."""
+
+    out: Path = option(FOLDER, "folder", default=Path("results/trade"))
+    store: bool = option(TRUTH, "let later runs on this machine use the measured costs", default=True)
 
 
 @dataclass(frozen=True, repr=False)
 class Trade:
-    """Speed against accuracy on the samples of a scene: what `trade` returns.
+    """Speed against accuracy: what `trade` returns.
 
     Attributes
     ----------
     scene : Scene
-        Whose samples were measured.
+        Whose samples were measured: race-angles.
     parts : list of Measured
-        What the scene computes, passages or smallest tilts, and its motions in time.
+        Passages, and motions in time.
 
     Examples
     --------
     >>> import explorer as ex
-    >>> found = ex.trade("race-angles", disk="hoop", samples=1024)  # doctest: +SKIP
+    >>> found = ex.trade(disk="hoop", samples=1024)  # doctest: +SKIP
     >>> print(min(row.nanoseconds for row in found.rows if row.p99 < 1e-6))  # doctest: +SKIP
     """
 
-    scene: Scene
+    scene: NearF
     parts: list[Measured]
 
     @property
@@ -78,7 +123,8 @@ class Trade:
     def store(self) -> Path:
         """Keep it as the calibration of this machine, which `accuracy` and `method="auto"` use from then on.
 
-        Costs are as measured here; errors are the largest of those measured here and on four other bodies.
+        Costs are as measured here. Errors depend on no machine: they are those that come with nearflat, which hold
+        for other bodies too, or larger ones that were measured here.
 
         Returns
         -------
@@ -99,104 +145,88 @@ class Trade:
         return f"Trade of {self.scene.name}, {self.scene.label}: {parts}; print it for its tables"
 
     def __str__(self) -> str:
-        return "\n".join(trade_report.tables(self.parts))
+        return "\n\n".join("\n".join([f"## {part.kind.capitalize()}", "", *_lines(part)]) for part in self.parts)
 
 
-def measured(scene: str | type[Scene] | None, options: Mapping[str, Any], out: Path | None = None) -> Trade:
-    """What `ex.trade` returns. out: a folder that is made before anything is measured. Raises InputError."""
-    asked, rest = Trading.apart(options)
-    made = scene_for(scene, rest)
-    possible = made.reference_samples(asked.motions or 1, asked.t_end)
-    chosen = [samples for samples in possible if asked.motions or not samples.in_time]
-    if not chosen:
-        why = "no method is chosen in this scene, so there is nothing to trade; measure another one"
-        if possible:
-            why = "methods can be compared only on its motions in time; leave motions = 0 out"
-        raise InputError(f"{made.name}: {why}")
-    for samples in chosen:
-        known, size = int(samples.known.sum()), samples.known.size
-        # Those without an answer take small steps longest.
-        if known < (fewest := 1 if samples.in_time else max(FEWEST, size // 2)):
-            raise InputError(
-                f"{known:,} of {size:,} {samples.kind} have a known answer, and {fewest:,} are needed to tell "
-                "methods apart; give more samples, another disk, or a box whose starts are less slow"
-            )
-    if out is not None:
-        made_folder("out", out)
-    return Trade(made, [measure(samples, lambda text: note(text, asked.progress is False)) for samples in chosen])
+def measured(asked: Trading) -> Trade:
+    """What `ex.trade` returns. Raises InputError."""
+    parts = [
+        measure(samples, lambda text: note(text, asked.progress is False)) for samples in asked.reference_samples()
+    ]
+    return Trade(asked.scene, parts)
 
 
-def scene_for(scene: str | type[Scene] | None, options: dict[str, Any]) -> Scene:
-    """The scene whose samples are measured. Raises InputError."""
-    for name in _MEASURED:
-        if options.get(name) is not None:
-            raise InputError(f"{said(name, options[name])}: trade measures all of them; leave it out")
-    made = scene_class(PLAIN if scene is None else scene).of(options)
-    more: dict[str, Any] = {}
-    if scene is None and options.get("eta_hat") is None and made.options.get("eta_hat") is not None:
-        more["eta_hat"] = tuple(size * made.disk.rate_unit for size in ALL_DISTANCES)
-    if "samples" in made.options and options.get("samples") is None:
-        more["samples"] = min(made.options["samples"], made.tried)
-    return replace(made, **more)
-
-
-def _plain(disk: Disk, samples: int, seed: int) -> Scene:
-    return scene_for(None, {"disk": disk, "samples": samples, "seed": seed})
-
-
-def calibrate(measured: Trade) -> dict[str, Any]:
-    """The table for `calibration`: costs as measured, errors the largest over BODIES too. Raises InputError."""
-    by_kind = {part.kind: part for part in measured.parts}
-    passages, motions = _OF_EACH_BODY
-    bodies = [_plain(disk, passages, number) for number, disk in enumerate(BODIES)]
-    plain = by_kind.get("passages") or measure(
-        _plain(measured.scene.disk, measured.scene.tried, 0).reference_samples(1, None)[0]
-    )
-    in_time = by_kind.get("motions") or measure(bodies[0].reference_samples(2 * motions, None)[1])
-    own = [part.rows for part in measured.parts]
-    others = [only_errors(samples) for body in bodies for samples in body.reference_samples(motions, None)]
-    errors = largest_errors([*own, plain.rows, in_time.rows], others)
-    quadrature = [row.nanoseconds for row in plain.rows if row.method == "quadrature"]
+def calibrate(found: Trade) -> dict[str, Any]:
+    """The table for `calibration`. Raises InputError."""
+    passages = found.parts[0]
+    errors = largest_errors([part.rows for part in found.parts], [calibration.shipped_errors()])
     table = {
         "kernels": compiled.source_digest(),
-        "measured_on": measured.scene.options,
+        "measured_on": found.scene.options,
         "settings": calibration.SETTINGS,
-        "quadrature": quadrature[-1],
-        "methods": curves(plain, errors),
+        "quadrature": [row.nanoseconds for row in passages.rows if row.method == "quadrature"][-1],
+        "methods": curves(passages, errors),
     }
     try:
         calibration.parse(table, "")
     except ValueError as error:
         raise InputError(
-            f"{measured.scene.name}: {error} on these samples, so they cannot calibrate; --no-store keeps what is "
-            "there"
+            f"trade: {error} on these samples, so they cannot calibrate; --no-store keeps what is there"
         ) from None
     return table
 
 
+def _lines(part: Measured) -> list[str]:
+    """What was measured, in words and as Markdown tables: at every setting, and at the accuracies asked."""
+    return [
+        f"{part.samples:,} {part.kind}, {part.known:,} with a known answer. Error: {part.error}, against",
+        f"{_REFERENCE[part.kind]}. *nanoseconds*: for a {part.unit}.",
+        "",
+        *_table(part.rows),
+        "",
+        "The same at the settings that accuracies choose; here *setting* is the accuracy:",
+        "",
+        *_table(part.asked),
+    ]
+
+
+def _table(rows: Sequence[Row]) -> list[str]:
+    cells = [[format(getattr(row, name), form) for name, form in _COLUMNS.items()] for row in rows]
+    return [f"| {' | '.join(line)} |" for line in ([*_COLUMNS], ["---"] * len(_COLUMNS), *cells)]
+
+
+def write(found: Trade, out: Path, command: str) -> None:
+    """README.md and trade.png in the folder `out`."""
+    from matplotlib.figure import Figure
+
+    from explorer.commands.pages import write_page
+    from explorer.pictures.register import save
+    from explorer.pictures.style import SIZE
+    from explorer.pictures.work_precision import work_precision
+
+    count = len(found.parts)
+    figure = Figure(figsize=(SIZE[0], count * SIZE[1]), layout="constrained")
+    for part, ax in zip(found.parts, figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0], strict=True):
+        work_precision(part, ax=ax)
+        ax.label_outer()
+    save(figure, picture := out / "trade.png")
+    parts = [("Error and time of all methods", [_ABOUT], [picture])]
+    parts += [(part.kind.capitalize(), _lines(part), []) for part in found.parts]
+    made_by = f"`{command}` on {platform.machine()}, {platform.system()}."
+    write_page(out, f"Speed against accuracy, {found.scene.label} disk", made_by, parts)
+
+
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """Add the options of `nearflat trade`: those of the scene, and its own."""
-    kind = add_scene(command, words, "; by default the passages of race-angles", nargs="?")
-    Trading.add_to(command)
-    (scene_class(PLAIN) if kind is Scene else kind).add_to(command)
-    command.add_argument("--out", metavar="DIR", help="folder (default results/trade, or results/trade-SCENE)")
-    command.add_argument(
-        "--no-store",
-        action="store_true",
-        help="do not store the measured costs, which later runs on this machine would use",
-    )
+    """Add the options of `nearflat trade`."""
+    Asked.add_to(command)
 
 
 def call(options: argparse.Namespace) -> Answer:
     """Measure, keep what was found for this machine, and write the page."""
-    scene, given = given_by(options)
-    out = path_of(
-        "out", given.pop("out", None) or ("results/trade" if scene is None else f"results/trade-{scene}")
-    )
-    settings, rest = Settings.apart(given)  # a TOML file may have some of a run
-    found = measured(scene, {**rest, "progress": settings.progress}, out)
-    where = None if options.no_store else found.store()
-    trade_report.write(found.scene, found.parts, out, options.command_line, where)
-    kept = f" Calibration kept in {where}." if where else ""
+    asked = Asked.of({**Asked.said(options), "progress": False if options.quiet else None})
+    made_folder("out", asked.out)
+    found = measured(asked)
+    kept = f" Calibration kept in {found.store()}." if asked.store else ""
+    write(found, asked.out, options.command_line)
     record = {"scene": found.scene.options, "parts": [asdict(part) for part in found.parts]}
-    return Answer(record, f"{found}\nTables and picture are in {out}.{kept}")
+    return Answer(record, f"{found}\n\nTables and picture are in {asked.out}.{kept}")

@@ -47,8 +47,7 @@ Tubes = dict[str, Array]
 class FallingProbability:
     """P(theta_min < delta) for states of a disk drawn from a density, rung by rung.
 
-    deltas: the rungs (rad), largest first. accuracy: relative, of theta_min. samples: plain draws. scrambled:
-    whether the draws of a tube are Sobol points, each batch a scramble of its own.
+    deltas: the rungs (rad), largest first. accuracy: relative, of theta_min. samples: plain draws.
     """
 
     disk: Disk
@@ -57,7 +56,6 @@ class FallingProbability:
     accuracy: float
     samples: int
     seed: int
-    scrambled: bool
 
     @cached_property
     def law_limit(self) -> float:
@@ -147,8 +145,6 @@ class FallingProbability:
     def _mean(self, tubes: Tubes, signs: tuple[float, float] = (1.0, 1.0)) -> Estimate:
         """P(theta_min < delta) by rung and face, states with eta_hat < 0 and > 0 with these signs."""
         sums, squares = tubes["sign"][..., 0, :] @ signs, tubes["sign"][..., 1, :].sum(axis=-1)
-        if self.scrambled:  # of Sobol points only the scrambles are independent
-            return laws.mean_of_batches(sums, tubes["draws"])
         return laws.mean_of_draws(sums, squares, tubes["draws"])
 
     # What the counts say
@@ -298,9 +294,9 @@ class FallingProbability:
         }
 
     def _convergence(self, tubes: Tubes) -> list[dict[str, Any]]:
-        """C from the first 1, 2, 4 ... batches of every tube; the spread of fewer than four says nothing."""
+        """C from the first 1, 2, 4 ... batches of every tube."""
         batches, tested, rows = tubes["draws"].shape[2], self.tested, []
-        for count in [2**j for j in range(2 * self.scrambled, 30) if 2**j < batches] + [batches]:
+        for count in [2**j for j in range(30) if 2**j < batches] + [batches]:
             some = {name: values[tested, :, :count] for name, values in tubes.items()}
             constant = laws.fit_constant(self.deltas[tested], laws.total(self._mean(some)))
             rows.append({"draws": int(some["draws"].sum()), **constant.described()})

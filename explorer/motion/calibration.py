@@ -84,8 +84,22 @@ def current() -> Calibration:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise InputError(f"calibration {path} cannot be used ({reason}); delete it, then nearflat trade") from None
-    text = files("explorer.motion").joinpath("calibration.json").read_text(encoding="utf-8")
-    return parse(json.loads(text), f"shipped with nearflat; {advice}")
+    return parse(_shipped(), f"shipped with nearflat; {advice}")
+
+
+def _shipped() -> dict[str, Any]:
+    table: dict[str, Any] = json.loads(files("explorer.motion").joinpath("calibration.json").read_bytes())
+    return table
+
+
+def shipped_errors() -> dict[tuple[str, float], float]:
+    """The errors that come with nearflat, by method and setting: the largest of several bodies."""
+    curves = parse(_shipped(), "").curves
+    return {
+        (method, setting): error
+        for method, curve in curves.items()
+        for setting, error in zip(curve.setting.tolist(), curve.error.tolist(), strict=True)
+    }
 
 
 def parse(table: dict[str, Any], origin: str, own: bool = False) -> Calibration:

@@ -1,4 +1,4 @@
-"""Samples whose answers are known, on which any method can be tried at any setting: passages, tilts, motions."""
+"""Samples whose answers are known, on which any method can be tried at any setting: passages and motions."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -9,13 +9,11 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer import compiled
 from explorer.motion.compare import apart
 from explorer.motion.passages import OBSERVABLES as OF_PASSAGES
 from explorer.motion.passages import Passages, passages_by, reference_passages
 from explorer.motion.plan import TIGHTEST, Plan, plan
 from explorer.motion.trajectories import Trajectories, trajectories_by
-from explorer.motion.turning_points import smallest_tilt
 from explorer.motion.vertical import VerticalStarts
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
@@ -108,44 +106,6 @@ class ReferencePassages(ReferenceSamples):
         names = OF_PASSAGES if accuracy < ANY_ERROR else [name for name in OF_PASSAGES if name != "race_angle"]
         differences = [apart(name, getattr(made, name), getattr(exact, name)) for name in names]
         return Tried(np.max(differences, axis=0), made.status, made.wrong_way, steps)
-
-
-class ReferenceTilts(ReferenceSamples):
-    """Smallest tilts of states, block by block, as scenes compute them."""
-
-    kind = "tilts"
-    unit = "state"
-    error = "of theta_min (relative)"
-    observables = ("theta_min",)
-
-    def __init__(self, blocks: Sequence[States]) -> None:
-        self.blocks = blocks
-
-    @cached_property
-    def exact(self) -> tuple[Array, NDArray[np.int8]]:
-        """theta_min and status by quadrature, as exactly as it can."""
-        found = self.call(self.plan("quadrature", TIGHTEST["quadrature"]))
-        return found[0], found[1]
-
-    @property
-    def known(self) -> NDArray[np.bool_]:
-        return np.asarray(self.exact[1] == compiled.status.Status.OK)
-
-    @cached_property
-    def integrated(self) -> Array:
-        """theta_min for quadrature to be compared with."""
-        theta: Array = self.finest()[0]
-        return theta
-
-    def call(self, how: Plan) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
-        parts = [smallest_tilt(states, how) for states in self.blocks]
-        theta, status, steps = (np.concatenate(columns) for columns in zip(*parts, strict=True))
-        return theta, status, steps
-
-    def compare(self, found: tuple[Array, NDArray[np.int8], NDArray[np.int32]], accuracy: float) -> Tried:
-        theta, status, steps = found
-        truth = self.exact[0] if steps.any() else self.integrated
-        return Tried(apart("theta_min", theta, truth), status, np.zeros(status.size, bool), steps)
 
 
 class ReferenceMotions(ReferenceSamples):

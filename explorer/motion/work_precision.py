@@ -35,7 +35,7 @@ class Row:
     Attributes
     ----------
     kind : str
-        What was measured: "passages", "tilts" or "motions".
+        What was measured: "passages" or "motions".
     method : str
         "quadrature" or the name of an integrator.
     setting : float
@@ -58,7 +58,7 @@ class Row:
     Examples
     --------
     >>> import explorer as ex
-    >>> found = ex.trade("race-angles", disk="hoop", samples=1024)  # doctest: +SKIP
+    >>> found = ex.trade(disk="hoop", samples=1024)  # doctest: +SKIP
     >>> print(min(row.nanoseconds for row in found.rows if row.p99 < 1e-6))  # doctest: +SKIP
     """
 

@@ -12,7 +12,6 @@ from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, number
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
@@ -104,17 +103,6 @@ def well(disk: Disk) -> Well:
     slope = Chebyshev.interpolate(critical, _PEAK_DEGREE, domain=beside).deriv()
     (top,) = (float(x.real) for x in slope.roots() if x.imag == 0.0 and beside[0] < x.real < beside[1])
     return Well(top, float(np.sqrt(critical(np.array([top]))[0])) * disk.body.r0)
-
-
-def require_well(disk: Disk, sigma3_bar: float) -> None:
-    """Raise InputError where the lines carry no well at sigma3_bar (units of the disk)."""
-    require_axial_inertia(disk)
-    most = well(disk).sigma3_bar * disk.rate_unit
-    if not 0.0 < abs(number("sigma3_bar", sigma3_bar)) < most:
-        raise InputError(
-            f"sigma3_bar = {sigma3_bar:g}: no well beside the falling motions there; "
-            f"give 0 < |sigma3_bar| < {most:.6g} for {disk.name}"
-        )
 
 
 @lru_cache(maxsize=64)

@@ -184,7 +184,7 @@ def caption_of(figure: Figure) -> Caption | None:
 
 
 def save(figure: Figure, path: Path, dpi: int = DPI) -> None:
-    """Write a figure as .png, .svg or .pdf with its caption inside, where pages and the gallery find it."""
+    """Write a figure as .png, .svg or .pdf with its caption inside, where pages find it."""
     caption, kind = caption_of(figure), path.suffix.lower()
     metadata: dict[str, Any] = {"Date": None} if kind == ".svg" else {}  # the same picture is the same file
     if caption is not None:

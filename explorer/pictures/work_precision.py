@@ -13,7 +13,6 @@ _LIMITS = (3e-17, 3e-2)  # of the error; the names of the methods stand in the f
 _APART = 1.35  # ratio of the heights of two names
 _TITLES = {
     "passages": "Passages: time against error",
-    "tilts": "Smallest tilts: time against error",
     "motions": "Motions in time: time against error",
 }
 

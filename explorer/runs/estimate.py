@@ -14,26 +14,21 @@ from explorer.measure.tallies import Tally
 from explorer.runs.settings import Asked, samples_of
 from explorer.scenes.scene import SampledScene, Scene, Table
 
-# Bytes, measured: of compiled code and libraries, where the system does not say it, and what drawing takes.
-_BASE_MEMORY, _DRAWING = 450e6, 90e6
-# Of one picture in PNG and SVG, measured over all scenes; maps take 0.75, and histograms 0.5.
-_SECONDS_PER_PICTURE, _BYTES_PER_PICTURE = 0.6, 250_000
+_BASE_MEMORY = 450e6  # bytes of compiled code and libraries, measured; where the system does not say it
 
 
 @dataclass(frozen=True)
 class Estimate:
     """What a run is expected to cost on this machine.
 
-    seconds: from its start to its last picture, where the cores are free and the kernels are compiled;
-    seconds_for_figures: those of them that the pictures take. memory: of the whole process, bytes. disk: of the
-    folder, bytes; 0 where there is none. free: bytes that may be written there; None where there is no folder.
-    probed: how many chunks were computed to say so.
+    seconds: without pictures, where the cores are free and the kernels are compiled. memory: of the whole process,
+    bytes. disk: of the folder, bytes; 0 where there is none. free: bytes that may be written there; None where
+    there is no folder. probed: how many chunks were computed to say so.
     """
 
     chunks: int
     samples: int
     seconds: float
-    seconds_for_figures: float
     memory: float
     disk: float
     free: int | None
@@ -52,13 +47,11 @@ def estimate(asked: Asked) -> Estimate:
     began = time.process_time()  # of the processor, so that other programs do not count
     sizes = [_bytes_of(*scene.chunk(index)) for index in probed]
     seconds = (time.process_time() - began) * count / len(probed) / min(jobs, cpu_count() or 1)
-    stored, pictures = sum(sizes) * count / len(probed), scene.drawn if settings.out and settings.figures else 0
+    stored, free = sum(sizes) * count / len(probed), _free_bytes(settings.out) if settings.out else None
+    disk, held = (stored, 0.0) if settings.out else (0.0, stored)
     at_work = scene.bytes_per_sample * scene.length(0) if isinstance(scene, SampledScene) else max(sizes)
-    memory = base + jobs * at_work + (_DRAWING if pictures else 0.0) + (0.0 if settings.out else stored)
-    disk = stored + pictures * _BYTES_PER_PICTURE if settings.out else 0.0
-    drawing, free = pictures * _SECONDS_PER_PICTURE, _free_bytes(settings.out) if settings.out else None
-    seconds += starting + drawing
-    return Estimate(count, samples_of(scene), seconds, drawing, memory, disk, free, len(probed))
+    memory = base + jobs * at_work + held
+    return Estimate(count, samples_of(scene), starting + seconds, memory, disk, free, len(probed))
 
 
 def _bytes_of(table: Table, tally: Tally) -> int:

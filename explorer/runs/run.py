@@ -173,20 +173,6 @@ class Run:
         with self.scene.running("headline"):
             return self.scene.headline(self.summary)
 
-    def renewed(self) -> "Run":
-        """The run with its numbers added up anew from its chunks; they are stored too.
-
-        Examples
-        --------
-        >>> import explorer as ex
-        >>> ex.run("race-angles", samples=100, progress=False).renewed().summary["samples"]
-        100
-        """
-        vars(self).pop("_total", None)
-        if self.folder is not None:
-            store.write_json(self.folder / "summary.json", self.summary)
-        return self
-
     @property
     def status(self) -> Progressed:
         """How far the run is: chunks and samples done, counts of each status, what is missing."""

@@ -161,16 +161,9 @@ def _write_parquet(table: pa.Table, stream: Any, metadata: dict[bytes, bytes]) -
     metadata are added at the end, else the schema would hold them once more, in base 64. Without checksums of
     pages Parquet reads most single flipped bits back as data.
     """
-    repeated = [field.name for field in table.schema if not pa.types.is_floating(field.type)]
-    packed = {name: "lz4" if name in repeated else "none" for name in table.column_names}
-    with pq.ParquetWriter(
-        stream,
-        table.schema,
-        compression=packed,
-        use_dictionary=repeated or False,
-        write_statistics=repeated or False,
-        write_page_checksum=True,
-    ) as writer:
+    words = [field.name for field in table.schema if not pa.types.is_floating(field.type)]
+    how: dict[str, Any] = {"compression": "none", "use_dictionary": words or False, "write_page_checksum": True}
+    with pq.ParquetWriter(stream, table.schema, write_statistics=words or False, **how) as writer:
         writer.write_table(table)
         writer.add_key_value_metadata(metadata)
 

@@ -18,13 +18,12 @@ from explorer.measure import sifting, statistics
 from explorer.measure.sampling import chunk_stream, read_ranges
 from explorer.measure.slices import ConstantsPlane, Slice, slice_map
 from explorer.measure.tallies import ByName, Least, LogHistogram, count_status
-from explorer.motion.reference_samples import ReferenceSamples, ReferenceTilts
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import falling_set
 from explorer.phase.constants import constants_of
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.falling_set import falls_of
-from explorer.phase.states import COORDINATES, Array, States, phi_to_states
+from explorer.phase.states import COORDINATES, Array, phi_to_states
 from explorer.scenes.given_states import Block
 from explorer.scenes.options import Reader, option, several, whole_from, word_of
 from explorer.scenes.scene import Counts, Picture, Table
@@ -83,7 +82,7 @@ class FallingSet(FromStates):
     )
     grid: int = option(whole_from(2, 4000), "points per axis of a slice", default=401)
 
-    tally, drawn = FallingCounts, 4
+    tally = FallingCounts
     observables: ClassVar[tuple[str, ...]] = ("theta_min", "face", "could_fall")
     columns = (
         *COORDINATES,
@@ -98,7 +97,7 @@ class FallingSet(FromStates):
         "would fall if eta, their distance from the falling set, were exactly 0: {could_fall_fraction:.1%} "
         "(95 % interval {could_fall_interval_95[0]:.1%} to {could_fall_interval_95[1]:.1%})",
         "tilt at the flattest moment of {theta_min_of}: median {theta_min_quantiles[0.5]:.3g} rad, "
-        "smallest {smallest:.3g} rad",
+        "one in a thousand below {theta_min_quantiles[0.001]:.3g} rad",
     )
 
     def __post_init__(self) -> None:
@@ -122,35 +121,24 @@ class FallingSet(FromStates):
 
     def observe(self, block: Block) -> Table:
         """Everything about a few states; where theta_min is not computed it is NaN."""
-        table, rows, states = self._followed(block)
-        if self.theta_min != "none":
-            found = smallest_tilt(states, self.plan, table["status"][rows])
-            for name, values in zip(("theta_min", "status", "steps"), found, strict=True):
-                table[name][rows] = values
-        return block.with_results(table)
-
-    def _followed(self, block: Block) -> tuple[Table, Any, States]:
-        """What follows from the constants; the rows whose theta_min is computed, and their states."""
         states, n = block.states, len(block.states)
         exact, constants = falls_of(states), constants_of(states)
         names = "sigma3_bar", "eta_hat_plus", "eta_hat_minus", "energy"
         table: Table = {name: getattr(constants, name) for name in names}
         table |= {"face": exact.face, "could_fall": exact.could_fall, "theta_min": np.full(n, np.nan)}
         table |= {"status": exact.status.astype(np.int8), "steps": np.zeros(n, np.int32)}
-        if self.theta_min == "all":
-            return table, np.s_[:], states
-        rows = np.flatnonzero(self.near(table))
-        return table, rows, states.at(rows)
+        rows: Any = np.s_[:]
+        if self.theta_min != "all":
+            rows = np.flatnonzero(self.near(table))
+            states = states.at(rows)
+        if self.theta_min != "none":
+            found = smallest_tilt(states, self.plan, table["status"][rows])
+            for name, values in zip(("theta_min", "status", "steps"), found, strict=True):
+                table[name][rows] = values
+        return block.with_results(table)
 
     def near(self, table: Table) -> NDArray[np.bool_]:
         return np.asarray((nearer(table) <= self.tube) & table["could_fall"])
-
-    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
-        blocks = (block for index in range(self.chunks) for block in self.blocks(index))
-        return [
-            ReferenceTilts([self._followed(block)[2] for block in blocks]),
-            *super().reference_samples(motions, t_end),
-        ]
 
     # Counts
 
@@ -256,9 +244,6 @@ class FallingSet(FromStates):
         )
         sigma3, sigma4 = (np.linspace(-reach, reach, CELLS + 1) for reach in self._reach)
         return ConstantsPlane(self.disk, sigma3, sigma4, smallest.reshape(CELLS, CELLS), self.plan.method)
-
-    def headline(self, summary: dict[str, Any]) -> list[str]:
-        return super().headline({**summary, "smallest": summary["theta_min_quantiles"].get("0")})
 
 
 def nearer(table: Table) -> Array:

@@ -192,42 +192,23 @@ def _reading(what: str, remedy: str) -> Iterator[None]:
 
 
 def _table(given: Any, what: str) -> "pa.Table":
-    """A table in memory as Arrow has it. Raises InputError where it is none.
+    """A table in memory as Arrow has it: of a frame of any library, or of a mapping of columns.
 
-    A frame of any library, a mapping of columns (a number stands for a column), a structured array, or an array
-    with rows of phi, phidot, sigma3, sigma4.
+    Raises InputError where it is none.
     """
     import pyarrow as pa
 
     if isinstance(getattr(given, "columns", None), Mapping):  # a result of a call
         given = given.columns
-    frame = hasattr(given, "iloc")  # of pandas, which would hand over its index as well
-    if hasattr(given, "__arrow_c_stream__") and not frame:
-        return pa.table(given)
     try:
-        if isinstance(given, list | np.ndarray) and not getattr(getattr(given, "dtype", None), "names", None):
-            given = dict(zip(COORDINATES, np.asarray(given).T, strict=True))
-        names = list(given) if frame or isinstance(given, Mapping) else given.dtype.names
-        columns = {str(name): _arrow(given[name]) for name in names}
-        rows = max((len(column) for column in columns.values() if not isinstance(column, pa.Scalar)), default=1)
-        return pa.table({k: pa.repeat(v, rows) if isinstance(v, pa.Scalar) else v for k, v in columns.items()})
-    except (AttributeError, TypeError, ValueError, pa.ArrowException) as error:
+        if hasattr(given, "iloc"):  # of pandas, which would hand over its index as well
+            return pa.Table.from_pandas(given, preserve_index=False)
+        return pa.table(given)
+    except (TypeError, ValueError, pa.ArrowException) as error:
         raise InputError(
             f"{what}: is no table ({shorten(str(error), 120)}); give a path, a DataFrame, a dict of columns of "
-            f"one length, rows of {', '.join(COORDINATES)}, or States"
+            "one length, or States"
         ) from None
-
-
-def _arrow(values: Any) -> Any:
-    """A column, or a number that stands for one; cells of several kinds, or unknown ones, as text."""
-    import pyarrow as pa
-
-    if np.ndim(values) == 0:
-        return pa.scalar(np.asarray(values).item())
-    try:
-        return pa.array(values, from_pandas=True)
-    except pa.ArrowException:
-        return pa.array([None if cell is None else str(cell) for cell in np.asarray(values).tolist()])
 
 
 def _csv(path: Path) -> "pa.Table":

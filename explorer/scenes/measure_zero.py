@@ -10,7 +10,6 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from explorer import compiled
@@ -19,22 +18,18 @@ from explorer.measure import invariance
 from explorer.measure.density import Density
 from explorer.measure.falling_probability import FEWEST_HITS, FallingProbability
 from explorer.measure.sampling import Range, chunk_stream
-from explorer.measure.tallies import ByName, Histogram, count_status
+from explorer.measure.tallies import Histogram, count_status
 from explorer.measure.tubes import dimensions, widest_eta
-from explorer.motion.plan import Plan, plan
-from explorer.motion.reference_samples import ReferenceSamples, ReferenceTilts, through_time
-from explorer.motion.turning_points import smallest_tilt, tilt_kernels, turning_points
+from explorer.motion.plan import Plan
+from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase.arguments import read_range
 from explorer.phase.disk import require_axial_inertia
-from explorer.phase.states import COORDINATES, Array, States, phi_to_states
-from explorer.scenes.options import Reader, option, whole_from, word_of
+from explorer.phase.states import COORDINATES, Array, phi_to_states
+from explorer.scenes.options import Reader, option, whole_from
 from explorer.scenes.scene import SAMPLES, Counts, Picture, Table
 from explorer.scenes.starts import FromDensity
 
-SCRAMBLES = 16  # batches of Sobol points: enough for an error from their spread
-_BATCH = 1 << 14  # independent draws per batch of a tube
-_CHECKED = 256  # hits per chunk whose race is followed by integration,
-_CHECKED_BY = "dopri5"  # by this method
+_BATCH = 1 << 14  # draws per batch of a tube; the last may have fewer
 
 
 def read_ladder(name: str, value: Any) -> Range:
@@ -46,11 +41,10 @@ def read_ladder(name: str, value: Any) -> Range:
 
 
 class ZeroCounts(Counts):
-    """below and batches: as FallingProbability.summary takes them. race: ways of races of some plain hits."""
+    """below and batches: as FallingProbability.summary takes them."""
 
     falls: int
     below: Histogram
-    race: ByName[int]
     batches: list[Any]
 
 
@@ -70,14 +64,8 @@ class MeasureZero(FromDensity):
     tube: int = option(
         whole_from(2, 10**9), "random states close to F, for each delta and each face", default=1 << 18
     )
-    sampling: str = option(
-        word_of("random", "sobol"),
-        "how states close to F are chosen: random, or sobol, which is more even",
-        default="random",
-    )
 
-    tally, drawn = ZeroCounts, 3
-    tried = 1 << 15  # of which one in ten is followed
+    tally = ZeroCounts
     observables = ("theta_min", "face", "could_fall")
     columns = (*COORDINATES, "sigma3_bar", "eta_hat", "energy", "face", "delta", "weight", "theta_min", "status")
 
@@ -95,8 +83,6 @@ class MeasureZero(FromDensity):
     def __post_init__(self) -> None:
         super().__post_init__()
         require_axial_inertia(self.disk)
-        if self.sampling == "sobol" and self.tube < 2 * SCRAMBLES:
-            raise InputError(f"tube {self.tube}: Sobol points come in {SCRAMBLES} scrambles; give more draws")
         if not {"sigma3", "sigma4"} & set(self.box.free):
             raise InputError(
                 "box: sigma3 and sigma4 are both fixed, so the falling set is met at isolated tilts or not at "
@@ -128,24 +114,19 @@ class MeasureZero(FromDensity):
     @cached_property
     def probability(self) -> FallingProbability:
         """What is asked, and what becomes of the counts."""
-        scrambled = self.sampling == "sobol"
-        return FallingProbability(
-            self.disk, self.source, self.deltas, self.accuracy, self.samples, self.seed, scrambled
-        )
+        return FallingProbability(self.disk, self.source, self.deltas, self.accuracy, self.samples, self.seed)
 
     # Chunks: batches of each tube, by rung and face; and then plain draws, so that a longer run keeps all chunks
     # of a shorter one.
 
     @property
-    def _batches(self) -> tuple[int, int]:
-        """How many a tube has, and the draws in each; of independent draws the last may have fewer."""
-        if self.sampling == "sobol":
-            return SCRAMBLES, 1 << int(np.log2(self.tube // SCRAMBLES))
-        return -(-self.tube // _BATCH), _BATCH
+    def _batches(self) -> int:
+        """How many a tube has."""
+        return -(-self.tube // _BATCH)
 
     @property
     def _in_tubes(self) -> int:
-        return 2 * self.deltas.size * self._batches[0]
+        return 2 * self.deltas.size * self._batches
 
     @property
     def chunks(self) -> int:
@@ -154,15 +135,12 @@ class MeasureZero(FromDensity):
     def length(self, index: int) -> int:
         if index >= self._in_tubes:
             return super().length(index - self._in_tubes)
-        count, draws = self._batches
-        return min(draws, self.tube - index % count * draws)
+        return min(_BATCH, self.tube - index % self._batches * _BATCH)
 
     def chunk(self, index: int) -> tuple[Table, ZeroCounts]:
         table, tally = self._plain(index) if index >= self._in_tubes else self._batch(index)
         tally.status += count_status(table["status"])
-        # The first batches show what the draws and weights of every tube look like.
-        first = index < self._in_tubes and index % self._batches[0] == 0
-        return (table if first and self.keep == "near" else self.kept(table)), tally
+        return self.kept(table), tally
 
     def near(self, table: Table) -> NDArray[np.bool_]:
         """Plain draws flatter than the first rung."""
@@ -171,13 +149,9 @@ class MeasureZero(FromDensity):
 
     def _batch(self, index: int) -> tuple[Table, ZeroCounts]:
         """Draws in a tube. sigma3 and sigma4 are NaN: doubles do not hold such a small eta_hat as a difference."""
-        tube, count, tally = index // self._batches[0], self.length(index), ZeroCounts()
+        tube, count, tally = index // self._batches, self.length(index), ZeroCounts()
         rung, face = tube // 2, 1 if tube % 2 == 0 else -1
-        random, size = chunk_stream(self.seed, index), dimensions(self.source)
-        if self.sampling == "sobol":
-            points = scipy.stats.qmc.Sobol(size, scramble=True, bits=53, rng=random).random(count)
-        else:
-            points = random.random((count, size))
+        points = chunk_stream(self.seed, index).random((count, dimensions(self.source)))
         draws = self.probability.draw(face, float(self.deltas[rung]), points)
         tally.batches += [self.probability.batch(rung, face, draws)]
         table = {
@@ -189,15 +163,23 @@ class MeasureZero(FromDensity):
         return {name: table[name] for name in self.columns}, tally
 
     def _plain(self, index: int) -> tuple[Table, ZeroCounts]:
-        """Draws from the density that are followed; theta_min is 0 for those that fall."""
+        """Draws from the density; those that could come flatter than the first rung are followed.
+
+        theta_min is 0 for those that fall.
+        """
         disk, tally = self.disk, ZeroCounts()
-        columns, states = self._followed(index)
+        drawn = self.source.draw(disk, chunk_stream(self.seed, index), self.length(index))
+        states = phi_to_states(disk, **drawn)
+        motion = states.motion
+        distance = abs(disk.eta_to_eta_hat(motion.eta(motion.nearer_plus)))
+        rows = np.flatnonzero(distance <= widest_eta(motion.energy, self.deltas[0], disk))
+        states = states.at(rows)
         known = states.motion
         plus = known.nearer_plus
         theta, status, _ = smallest_tilt(states, self.plan)
         falls = status == compiled.status.Status.FALLS
-        table = {
-            **columns,
+        table: Table = {
+            **{name: values[rows] for name, values in drawn.items()},
             "sigma3_bar": known.sigma3_bar * disk.rate_unit,
             "eta_hat": disk.eta_to_eta_hat(known.eta(plus)) * disk.rate_unit,
             "energy": known.energy * disk.energy_unit,
@@ -210,50 +192,20 @@ class MeasureZero(FromDensity):
         tally.status["not followed"] += self.length(index) - plus.size
         tally.falls += int(falls.sum())
         tally.below = Histogram(self.probability.below(table["theta_min"]))
-        self._count_races(tally, table)
         return table, tally
-
-    def _followed(self, index: int) -> tuple[Table, States]:
-        """The draws that could come flatter than the first rung: their coordinates and states."""
-        columns = self.source.draw(self.disk, chunk_stream(self.seed, index), self.length(index))
-        states = phi_to_states(self.disk, **columns)
-        motion = states.motion
-        eta_hat = self.disk.eta_to_eta_hat(motion.eta(motion.nearer_plus))
-        rows = np.flatnonzero(abs(eta_hat) <= widest_eta(motion.energy, self.deltas[0], self.disk))
-        return {name: values[rows] for name, values in columns.items()}, states.at(rows)
-
-    def _count_races(self, tally: ZeroCounts, table: Table) -> None:
-        """Count which way contact points race at the flattest moment, by integration, against the sign of eta."""
-        rows = np.flatnonzero(self.near(table) & (table["theta_min"] > 0.0))[:_CHECKED]
-        theta, face, eta_hat = (table[name][rows] for name in ("theta_min", "face", "eta_hat"))
-        states = phi_to_states(self.disk, **{name: table[name][rows] for name in COORDINATES})
-        for each in (states, states.reversed()):
-            turn = turning_points(each, _checking())
-            here = (turn.face == face) & (abs(turn.theta / theta - 1.0) < 0.5)
-            agrees = np.sign(turn.turn_rate) == np.sign(eta_hat)
-            failed = turn.status != compiled.status.Status.OK
-            for way, those in (("right", here & agrees), ("wrong", here & ~agrees), ("not_resolved", failed)):
-                tally.race[way] += int(those.sum())
 
     @property
     def kernels(self) -> tuple[str, ...]:
         of_f = "falling.critical_X2_batch", "falling.barrier_batch", "falling.line_chart_batch"
-        own = "algebra.constants_batch", *of_f, _checking().kernel
-        return *own, *tilt_kernels(self.plan), *invariance.kernels()
+        return "algebra.constants_batch", *of_f, *tilt_kernels(self.plan), *invariance.kernels()
 
     @property
     def plans(self) -> tuple[Plan, ...]:
-        return *super().plans, _checking(), invariance.following()
-
-    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
-        """Plain draws that are followed; those in tubes have their tilt from a formula."""
-        plain = [self._followed(index)[1] for index in range(self._in_tubes, self.chunks)]
-        first = plain[0]
-        return [ReferenceTilts(plain), through_time(first.at(np.arange(min(motions, len(first)))), t_end)]
+        return *super().plans, invariance.following()
 
     def summarise(self, tally: ZeroCounts) -> dict[str, Any]:
         found = self.probability.summary(tally.below.counts, tally.falls, tally.batches)
-        return {**found, "status": dict(tally.status), "race": dict(tally.race)}
+        return {**found, "status": dict(tally.status)}
 
     def figures(self, summary: dict[str, Any], tally: ZeroCounts) -> Iterator[tuple[str, Picture]]:
         from explorer.pictures import measure_zero
@@ -272,8 +224,3 @@ class MeasureZero(FromDensity):
             size = f"one rung has an effective sample size of {fewest:.0f}, below {FEWEST_HITS}"
             return [*lines, f"C was not estimated: {size}. Raise tube, or narrow box to where the density is."]
         return lines
-
-
-def _checking() -> Plan:
-    """How the races of some hits are followed, to see which way they go."""
-    return plan(("race_angle",), 1e-4, _CHECKED_BY)

@@ -8,7 +8,6 @@ shrinks like eta ln(1/eta); the two limits themselves stay 2 kappa pi mod 2 pi a
 import math
 from collections.abc import Iterator
 from functools import cached_property, partial
-from itertools import chain, islice
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,6 @@ from explorer.measure.tallies import ByName, count_status
 from explorer.motion import limit_motions
 from explorer.motion.both_sides import QUANTITIES, beside, both_sides, limits_at, sample_times
 from explorer.motion.plan import TIGHTEST
-from explorer.motion.reference_samples import ReferenceMotions, ReferenceSamples, even_times
 from explorer.motion.trajectories import trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
@@ -71,8 +69,7 @@ class OneSided(Scene):
         follows=lambda self, given: self.fine_enough if given is None else given,
     )
 
-    tally, drawn = Approach, 7
-    tried = 4
+    tally = Approach
     observables = QUANTITIES
     columns = (
         *("base", "sigma3_bar", "phidot", "eta_hat", "status"),
@@ -127,26 +124,6 @@ class OneSided(Scene):
     def kernels(self) -> tuple[str, ...]:
         return *limit_motions.KERNELS, *self.plan.motions
 
-    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
-        """Motions beside its first starts, at the times of the scene unless `t_end` is given.
-
-        Every start has motions at all distances, and every disk as many starts: one, or as many as `motions`
-        allows.
-        """
-        groups = []
-        for disk in self.disk:
-            distances = self._distances(disk)
-            chunks = [index for index, part in enumerate(self.parts) if part[0] is disk]
-            starts = chain.from_iterable(map(self.starts, chunks))
-            for start in islice(starts, max(1, motions // (len(self.disk) * distances.size))):
-                times = sample_times(limits_at(disk, start)[1])[0] if t_end is None else even_times(t_end)
-                groups.append((beside(disk, start, distances), times))
-        return [ReferenceMotions(groups)]
-
-    def _distances(self, disk: Disk) -> Array:
-        """eta_hat of the motions beside a start: on both sides the rungs of the ladder."""
-        return np.concatenate([self.ladder(disk), -self.ladder(disk)])
-
     def chunk(self, index: int) -> tuple[Table, Approach]:
         (disk, first, _), tally = self.parts[index], Approach()
         tables = [self._approach(disk, first + i, start) for i, start in enumerate(self.starts(index))]
@@ -160,7 +137,7 @@ class OneSided(Scene):
 
     def _approach(self, disk: Disk, base: int, start: dict[str, float]) -> Table:
         """All rungs of the ladder, both signs, beside one point of F."""
-        eta_hat, limits = self._distances(disk), limits_at(disk, start)
+        eta_hat, limits = np.concatenate([self.ladder(disk), -self.ladder(disk)]), limits_at(disk, start)
         times, middle = sample_times(limits[1])
         how: Any = {"observables": QUANTITIES, "method": self.method, "accuracy": self.accuracy}
         motion = trajectories(beside(disk, start, eta_hat), t_eval=times, **how)
@@ -203,10 +180,8 @@ class OneSided(Scene):
         return {
             "gap": {"exact": disk.gap, "measured": measured, "largest_error": largest, "at_eta_hat": near},
             "coincide": None if measured is None else abs(math.remainder(measured, 2.0 * math.pi)) < SAME,
-            "coincide_exact": min(disk.gap, 2.0 * math.pi - disk.gap) < 1e-12,
             "kappa": disk.kappa,
             "distances": rows,
-            **{f"rate_{name}": fitted_rate(disk, rows, name) for name in SIDES},
         }
 
     def figures(self, summary: dict[str, Any], tally: Approach) -> Iterator[tuple[str, Picture]]:
@@ -230,13 +205,3 @@ class OneSided(Scene):
             told = f"{measured} rad (exact {exact:.6f}); {verdict[limits['coincide']]}"
             lines.append(f"{name}: gap between the two limits {told}")
         return lines
-
-
-def fitted_rate(disk: Disk, rows: list[dict[str, Any]], name: str) -> float | None:
-    """Exponent p of distance = C (eta ln 1/eta)^p over the rungs below 0.02 natural units; theory: 1."""
-    used = [(row["eta_hat"] / disk.rate_unit, row[f"median_{name}"]) for row in rows if f"median_{name}" in row]
-    points = np.array([(eta, d) for eta, d in used if eta < 0.02 and d > 0.0])
-    if len(points) < 2:
-        return None
-    law = np.log(points[:, 0] * np.log(1.0 / points[:, 0]))
-    return float(np.polyfit(law, np.log(points[:, 1]), 1)[0])

@@ -14,9 +14,9 @@ from explorer.measure.sampling import Range
 from explorer.measure.tallies import ByName
 from explorer.phase.bifurcation import thresholds
 from explorer.phase.disk import require_axial_inertia
-from explorer.phase.falling_set import require_well, well
+from explorer.phase.falling_set import well
 from explorer.phase.potential import Component, Potential, at_constants, on_line
-from explorer.scenes.options import NUMBER, RANGE, TRUTH, option
+from explorer.scenes.options import NUMBER, RANGE, option
 from explorer.scenes.scene import Counts, Picture, Scene, Table, joined
 
 LEVELS = 9
@@ -34,7 +34,7 @@ class Portrait(Scene):
     """Which motions exist at given constants of motion? Portraits, equilibria, separatrices, thresholds.
 
     With neither sigma4_bar nor eta_hat, on l_+ and on both sides of it; with eta_hat, on l_+ and there. Constants
-    are in the units of the disk. energy: range of the levels. well: insist that l_+ carries a well at sigma3_bar.
+    are in the units of the disk. energy: range of the levels.
     """
 
     sigma3_bar: float | None = option(
@@ -47,9 +47,8 @@ class Portrait(Scene):
         words="three: 0, and one on each side",
     )
     energy: Range | None = option(RANGE, "energies of the levels, in the units of the disk")
-    well: bool = option(TRUTH, "fail if the potential has no well beside the falling motions", default=False)
 
-    tally, drawn = PortraitCounts, 9
+    tally = PortraitCounts
     observables: ClassVar[tuple[str, ...]] = ("constants",)
     columns = ("energy", "piece", "falls", "phi", "phidot", "status")
     kernels = ("falling.critical_X2_batch", "falling.line_chart_batch")
@@ -61,10 +60,6 @@ class Portrait(Scene):
             raise InputError(
                 f"sigma4_bar {self.sigma4_bar:g} and eta_hat {self.eta_hat:g} say the same; leave out one"
             )
-        if self.well:
-            require_well(self.disk, self.bar)
-            if self.sigma4_bar is not None:
-                raise InputError(f"sigma4_bar {self.sigma4_bar:g}: a well is asked for on l_+; leave it out")
         for potential in self.places().values():
             potential.levels(self.energy, LEVELS)
 
@@ -128,22 +123,7 @@ class Portrait(Scene):
             "sigma3_bar": self.bar,
             **tally.rows,
             "thresholds": thresholds(self.disk),
-            "well_on_the_line": self._well(),
             "status": dict(tally.status),
-        }
-
-    def _well(self) -> dict[str, Any] | None:
-        """The well on l_+ at this sigma3_bar, within the left branch of its separatrix."""
-        if not 0.0 < abs(self.bar) < well(self.disk).sigma3_bar * self.disk.rate_unit:
-            return None
-        rim = on_line(self.disk, self.bar).separatrices()[0]
-        bottom = min(on_line(self.disk, self.bar).equilibria, key=lambda at: at.phi)
-        return {
-            "phi": bottom.phi,
-            "bottom": bottom.energy,
-            "rim": rim.saddle.energy,
-            "rim_phi": rim.saddle.phi,
-            "left_end": rim.branches[0].low,
         }
 
     def figures(self, summary: dict[str, Any], tally: PortraitCounts) -> Iterator[tuple[str, Picture]]:

@@ -12,7 +12,6 @@ from functools import partial
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from explorer.errors import InputError, RunError
 from explorer.measure import tallies
@@ -26,17 +25,16 @@ from explorer.measure.races import (
     law_rows,
     ridge_rows,
 )
-from explorer.measure.sampling import BLOCK, Range, Stream, gather, log_uniform, read_ranges, signs
+from explorer.measure.sampling import Range, Stream, log_uniform, read_ranges, signs
 from explorer.measure.tallies import ByName, Histogram, LogHistogram
 from explorer.motion.bounces import MOST, bounce_kernels, bounces, motion_constants
 from explorer.motion.passages import passage_kernels, passages_by
-from explorer.motion.reference_samples import ReferencePassages, ReferenceSamples, through_time
 from explorer.motion.vertical import starts_at_vertical
 from explorer.phase.disk import require_axial_inertia
-from explorer.phase.states import Array, constants_to_states
+from explorer.phase.states import Array
 from explorer.scenes.given_states import Block
 from explorer.scenes.options import RANGE, RANGES, option, whole_from, word_of
-from explorer.scenes.scene import Counts, Picture, SampledScene, Table, joined
+from explorer.scenes.scene import Counts, Picture, SampledScene, Table
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, BoxNearF, FromStates, check_eta_hat
 
 # What is stored of a passage and of a bounce, as fields of `Passages` and `Bounces`.
@@ -53,7 +51,7 @@ _SAYS = (
     "race angle (rad) of the {races_minus:,} with eta < 0: mean {mean_minus:+.4f}, median {median_minus:+.6f}",
     "wrong way: {wrong_way}",
 )
-_ELSEWHERE = ("states", "gaussian", "density")  # which say where states may be, anywhere
+_ELSEWHERE = ("states", "energy", "gaussian", "density")  # which say where states may be, anywhere
 KERNELS = (*tallies.KERNELS, *LogHistogram.KERNELS)  # of what is counted
 
 
@@ -69,7 +67,6 @@ class RaceCounts(Counts):
     deviations: ByName[float]
     decades: LogHistogram
     law: LogHistogram
-    energy: LogHistogram
     error_estimate: LogHistogram
 
 
@@ -86,7 +83,8 @@ class RaceAngles(FromStates):
         word_of("near", "anywhere"),
         "near: upright, near the falling set; anywhere: in all of the phase space, random or given, and followed "
         "to the next approaches to flat",
-        words="near; anywhere if states, gaussian or density are given, or a box of more than phidot and sigma3",
+        words="near; anywhere if states, energy, gaussian or density are given, or a box of more than phidot and "
+        "sigma3",
         follows=lambda self, given: "near" if isinstance(self, NearF) else "anywhere",
     )
     eta_hat: Range | None = option(
@@ -102,7 +100,7 @@ class RaceAngles(FromStates):
     )
 
     name = "race-angles"
-    tally, drawn = RaceCounts, 2
+    tally = RaceCounts
     observables: ClassVar[tuple[str, ...]] = ("race_angle", "theta_min", "duration")
     columns = ("phidot", "sigma3_bar", "eta_hat", "face", *_OF_PASSAGE)
     columns_of_given = ("row", "bounce", "phi", "sigma3", "sigma4", "side", "time")
@@ -140,7 +138,6 @@ class RaceAngles(FromStates):
                 tally.deviations[str(n)] += float(parts.sum())
         tally.decades.count(deviation, group)
         count_law(tally.law, self.disk, eta_hat, race, table["impact_speed"], table["error_estimate"])
-        tally.energy.count(table["energy"])
         tally.error_estimate.count(table["error_estimate"])
         tally.wrong_way += int(np.count_nonzero(table["wrong_way"]))
         tally.without_race += int(np.count_nonzero(np.isnan(race) & np.isfinite(table["delta_chi"])))
@@ -156,7 +153,6 @@ class RaceAngles(FromStates):
             **super().summarise(tally),
             "limit": limit,
             "wrong_way": tally.wrong_way,
-            "failures": {name: count for name, count in tally.status.items() if name != "ok"},
         }
         for name, side in SIDES.items():
             of_side = [group for group in groups if group % 2 == (side > 0)]
@@ -173,7 +169,6 @@ class RaceAngles(FromStates):
             "by_decade": [self._decade(tally, n) for n in ridges],
             "ridges": ridge_rows(ridges),
             "law": law_rows(self.disk, tally.law),
-            "energy_range": [tally.energy.quantile(0.0), tally.energy.quantile(1.0)],
             "largest_error_estimate": tally.error_estimate.quantile(1.0),
         }
 
@@ -226,24 +221,10 @@ class NearF(RaceAngles):
 
     @property
     def kernels(self) -> tuple[str, ...]:
-        some = () if self.energy is None else ("algebra.constants_batch",)
-        return *some, *passage_kernels(self.plan), *KERNELS
+        return *passage_kernels(self.plan), *KERNELS
 
     def draw(self, random: Stream, count: int) -> Table:
         """Starts at the vertical: phidot, sigma3_bar, eta_hat and face."""
-        if self.energy is None:
-            return self._starts(random, count)
-        low, high = self.energy
-
-        def block() -> tuple[dict[str, Array], NDArray[np.bool_]]:
-            drawn = self._starts(random, BLOCK)
-            states = constants_to_states(self.disk, **drawn)
-            energy = states.motion.energy * self.disk.energy_unit
-            return drawn, (energy >= low) & (energy <= high)
-
-        return gather(block, count, "energy: only {} draws beside the falling set were kept; widen it")
-
-    def _starts(self, random: Stream, count: int) -> Table:
         start = self.box.starts(random, count)
         face = start.pop("face")
         assert self.eta_hat is not None
@@ -252,17 +233,9 @@ class NearF(RaceAngles):
         return {**start, "eta_hat": eta_hat, "face": face}
 
     def observe(self, drawn: Table) -> Table:
-        found = passages_by(self.disk, starts_at_vertical(self.disk, *_start(drawn)), self.plan)[0]
+        found = passages_by(self.disk, starts_at_vertical(self.disk, *start_of(drawn)), self.plan)[0]
         face = drawn["face"].astype(np.int8)
         return {**drawn, "face": face, **{name: getattr(found, name) for name in _OF_PASSAGE}}
-
-    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
-        drawn = joined([block for index in range(self.chunks) for block in self.blocks(index)])
-        first = {name: values[:motions] for name, values in drawn.items()}
-        return [
-            ReferencePassages(self.disk, starts_at_vertical(self.disk, *_start(drawn))),
-            through_time(constants_to_states(self.disk, **first), t_end),
-        ]
 
 
 class Anywhere(RaceAngles):
@@ -280,7 +253,7 @@ class Anywhere(RaceAngles):
         """None: states have distances from F of themselves."""
         if given is not None:
             raise InputError(
-                "eta_hat: is for start near; states, gaussian, density, and a box of more than phidot and "
+                "eta_hat: is for start near; states, energy, gaussian, density, and a box of more than phidot and "
                 "sigma3 mean start anywhere; leave one of them out"
             )
 
@@ -310,7 +283,7 @@ def _mean(tally: RaceCounts, groups: list[int]) -> float:
     return total / tally.decades.part(groups).total
 
 
-def _start(drawn: Table) -> tuple[Array, Array, Array, Array]:
+def start_of(drawn: Table) -> tuple[Array, Array, Array, Array]:
     """Drawn starts at the vertical as `passages` takes them."""
     face = drawn["face"]
     return drawn["sigma3_bar"], drawn["eta_hat"], face * drawn["phidot"], face

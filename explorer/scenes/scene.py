@@ -22,7 +22,6 @@ from explorer.errors import InputError, RunError, one_of, shorten, shown
 from explorer.measure.sampling import Stream, chunk_stream
 from explorer.measure.tallies import ByName, Tally, count_status
 from explorer.motion.plan import METHODS, Plan, plan
-from explorer.motion.reference_samples import ReferenceSamples
 from explorer.phase.columns import Column
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.paths import read_toml
@@ -79,8 +78,6 @@ class Scene(Options, ABC):
     columns_of_given: ClassVar[tuple[str, ...]] = ()  # what else it stores where the states are given
     # Lines that are said of a run: `str.format` with the summary; one whose numbers are not there is not.
     says: ClassVar[Sequence[str]] = ()
-    drawn: ClassVar[int] = 0  # about how many pictures `figures` has, for what a run costs
-    tried: ClassVar[int] = 4096  # samples that `trade` draws, unless it is said
 
     def __init_subclass__(cls, **how: Any) -> None:
         super().__init_subclass__(**how)
@@ -142,13 +139,6 @@ class Scene(Options, ABC):
         ]
         ended = ", ".join(f"{count:,} {name}" for name, count in summary.get("status", {}).items())
         return [*(lines or plain), f"status: {ended}"]
-
-    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
-        """What `trade` tries methods on: its samples where they are by a method of choice, and motions in time.
-
-        motions: how many of these, from its first starts, to t_end (units of the disk; None: the scene's own).
-        """
-        return []
 
     @property
     def label(self) -> str:

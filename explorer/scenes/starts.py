@@ -11,7 +11,6 @@ from explorer import compiled
 from explorer.errors import InputError, RunError
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, ChartBox, Range, Stream, box_of, chunk_stream, in_radians, signs
-from explorer.motion.reference_samples import ReferenceSamples, through_time
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.states import Array, States
 from explorer.scenes.given_states import Block, GivenStates, coordinates_of
@@ -178,10 +177,6 @@ class FromStates(FromDensity):
             where = f"lines {which} of the file" if csv else f"rows {which}, counted from 0"
             lines.append(f"no states (bad_input), for instance {where}")
         return lines
-
-    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
-        first = next(self.blocks(0)).states
-        return [through_time(first.at(np.arange(min(motions, len(first)))), t_end)]
 
 
 # Near F, at the vertical. The flow preserves the measure, so there a draw of (phidot, sigma3, eta_hat) at the

@@ -10,7 +10,7 @@ from browser.test_page import click
 from PIL import Image, ImageSequence
 
 import explorer as ex
-from explorer.commands.gallery import caption_in
+from explorer.commands.pages import caption_in
 from explorer.view import record
 from explorer.view.page import view
 

@@ -54,7 +54,7 @@ def arguments(parser):
 
 def command_line():
     """A section for each command; below `run` one for each scene, with what only it takes."""
-    sections, said = [], set()
+    sections = []
     every = parsers()
     for name, command in COMMANDS.items():
         example = f"nearflat {name} {command.example}".strip()
@@ -62,20 +62,12 @@ def command_line():
         rows = list(arguments(every[name]))
         if name == "plan":
             sections.append("Takes what `nearflat run` takes.\n")
-        elif name == "trade":
-            rows = [row for row in rows if row not in said]
-            sections.append(
-                "Takes the same options as `nearflat run` with this scene, except `--method` and `--accuracy`.\n"
-            )
-            sections.append(table(["argument", "meaning"], rows) + "\n")
         elif rows:
             sections.append(table(["argument", "meaning"], rows) + "\n")
         if name != "run":
             continue
-        said |= set(rows)
         for scene in NAMES:
             own = [row for row in arguments(every[f"run {scene}"]) if row not in rows]
-            said |= set(own)
             first = scene_class(scene).__doc__.partition("\n")[0]
             sections.append(
                 f"### nearflat run {scene}\n\n{first} Its own options:\n\n{table(['argument', 'meaning'], own)}\n"
@@ -237,7 +229,7 @@ def stub():
         text += f"\n@overload\ndef {call}(scene: Known, **options: Unpack[Keywords]) -> {returned}: ...\n"
         text += f"@overload\ndef {call}(scene: str | type[Scene], **options: Any) -> {returned}: ...\n"
     own = ", ".join(f"{each.name}: {each.metadata['reader'].accepts} = ..." for each in options_of(Trading))
-    return f"{text}\ndef trade(scene: str | type[Scene] | None = ..., *, {own}, **options: Any) -> Trade: ...\n"
+    return f"{text}\ndef trade(*, {own}) -> Trade: ...\n"
 
 
 if __name__ == "__main__":

@@ -25,7 +25,6 @@ SENSIBLE = (
     "summary races --json",
     "columns race-angles",
     "view --disk hoop --eta-hat 1e-3 --out page.html",
-    "gallery races",
     "cite",
 )
 NUMBERS = "0.5 3 -1e-3 1e308 5e-324 nan -inf 1e400 0 -0 1j True 0x10 1e6: : 2:1 -1:2 1,5 x.toml"

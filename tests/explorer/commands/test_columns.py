@@ -63,7 +63,7 @@ def test_chunks_carry_the_same_texts_and_statuses_by_name(tmp_path):
 
 @pytest.mark.parametrize("scene", ["race-angles", "falling-set"])
 def test_columns_of_given_states_are_listed_too(scene, capsys):
-    given = {"phi": [0.1, 0.2], "phidot": 1.0, "sigma3": 1.0, "sigma4": 0.5, "batch": ["a", "b"]}
+    given = {"phi": [0.1], "phidot": [1.0], "sigma3": [1.0], "sigma4": [0.5], "batch": ["a"]}
     table, _ = scene_class(scene).of({"states": given, "keep": "all"}).chunk(0)
     listed = json.loads(said(capsys, scene, "--json"))
     assert set(table) - {"batch"} == {*listed["columns_with_given_states"], *listed["columns"]}

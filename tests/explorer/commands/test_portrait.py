@@ -36,7 +36,7 @@ def test_options_reach_the_phase_portrait(tmp_path):
     [
         (["--only", "nothing"], "only 'nothing'"),
         (["--sigma3-bar", "much"], "sigma3_bar = much"),
-        (["--only", "race", "--well"], "well: only the group phase"),
+        (["--only", "race", "--eta-hat", "1"], "eta_hat: only the group phase"),
     ],
 )
 def test_bad_input_is_named_before_anything_is_written(words, message, tmp_path, capsys):

@@ -14,7 +14,7 @@ DISK = Disk.uniform()
 
 @pytest.fixture(scope="module")
 def probability():
-    return FallingProbability(DISK, Density.of(DISK), DELTAS, 1e-6, 5000, 0, False)
+    return FallingProbability(DISK, Density.of(DISK), DELTAS, 1e-6, 5000, 0)
 
 
 def drawn(probability, rung, count=512):

@@ -19,6 +19,12 @@ def shipped():
     return {**table, "kernels": compiled.source_digest()}
 
 
+def test_the_shipped_errors_are_those_of_the_shipped_table():
+    errors = calibration.shipped_errors()
+    assert {method for method, _ in errors} == set(calibration.SETTINGS)
+    assert errors["rk8", 0.5] == shipped()["methods"]["rk8"][3][0]
+
+
 def test_the_shipped_table_is_used_and_named_where_nothing_was_measured(private):
     assert "shipped" in calibration.current().origin
     assert "shipped" in plan(("chi",), 1e-6).reason

@@ -11,7 +11,6 @@ from explorer.motion.reference_samples import (
     IN_TIME,
     ReferenceMotions,
     ReferencePassages,
-    ReferenceTilts,
     even_times,
     through_time,
 )
@@ -57,17 +56,6 @@ def test_a_passage_on_the_other_side_is_on_the_wrong_way(start):
     wrong = samples.compare(mirrored.call(how), 1e-6)
     # Each races as its own eta says, and by 2 kappa pi away from the passage that was meant.
     assert np.allclose(wrong.errors[near], 2.0 * DISK.race_limit, atol=0.05)
-
-
-def test_tilts_are_those_that_scenes_compute_block_by_block(start):
-    states = constants_to_states(DISK, *start)
-    samples = ReferenceTilts([states.at(np.arange(10)), states.at(np.arange(10, 24))])
-    tried = samples.compare(samples.call(samples.plan("dop853", ANY_ERROR, 1e-12)), ANY_ERROR)
-    assert samples.known.all()
-    assert tried.errors.max() < 1e-10
-    assert samples.exact[0] == pytest.approx(passages(DISK, *start).theta_min, rel=1e-9)
-    own = samples.compare(samples.call(samples.plan("quadrature", 1e-6)), 1e-6).errors
-    assert 0.0 < own.max() < 1e-12  # it is not its own measure
 
 
 def test_motions_are_those_of_the_public_call(start):

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import explorer as ex
-from explorer.commands.gallery import caption_in
+from explorer.commands.pages import caption_in
 from explorer.commands.portrait import GROUPS, RECORDED
 from explorer.pictures.calls import portraits_of
 from explorer.pictures.register import Caption, Question, add_caption, caption_of, save

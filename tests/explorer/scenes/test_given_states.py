@@ -1,7 +1,6 @@
 """States that a user gives: what is read, cell by cell, how it is identified, and how damage is told."""
 
 import json
-from fractions import Fraction
 
 import numpy as np
 import pandas as pd
@@ -88,12 +87,8 @@ def test_every_kind_of_table_gives_the_same_states(columns, tmp_path):
         frame.set_index(2 * np.arange(500)),
         pyarrow.table(columns),
         Stream(pyarrow.table(columns)),
-        frame.to_records(index=False),
-        np.column_stack(list(columns.values())),
-        np.column_stack(list(columns.values())).tolist(),
         ex.phi_to_states(DISK, **columns),
-        {name: values.astype(">f8") for name, values in columns.items()},
-        {name: np.ma.array(values) for name, values in columns.items()},
+        {name: values.tolist() for name, values in columns.items()},
         tmp_path / "a.csv",
         str(tmp_path / "b.txt"),
         tmp_path / "t.tsv",
@@ -111,14 +106,17 @@ def test_every_kind_of_table_gives_the_same_states(columns, tmp_path):
 
 def test_an_eta_that_was_given_is_kept_however_small():
     states = ex.constants_to_states(DISK, 1.0, [1e-200, -1e-200], 1.0, [1, -1])
-    for given in (states, {"sigma3_bar": 1.0, "eta_hat": [1e-200, -1e-200], "phidot": 1.0, "face": [1, -1]}):
+    for given in (
+        states,
+        {"sigma3_bar": [1.0, 1.0], "eta_hat": [1e-200, -1e-200], "phidot": [1.0, 1.0], "face": [1, -1]},
+    ):
         read = GivenStates.of("states", given).read(DISK, 0, 2).states
         for one, other in zip(read.motion, states.motion, strict=True):
             np.testing.assert_array_equal(one, other)
 
 
 def test_degrees_are_those_of_angles_and_rates():
-    given = {"tilt": [30.0], "tilt_rate": 10.0, "precession": 50.0, "spin": -20.0, "name": ["a"]}
+    given = {"tilt": [30.0], "tilt_rate": [10.0], "precession": [50.0], "spin": [-20.0], "name": ["a"]}
     found = GivenStates.of("states", given).read(DISK, 0, 1, degrees=True)
     direct = ex.rates_to_states(DISK, 30.0, 10.0, 50.0, -20.0, degrees=True)
     np.testing.assert_allclose(found.states.natural, direct.natural, rtol=1e-15)
@@ -156,15 +154,16 @@ def test_a_damaged_file_is_told_in_one_sentence(content, message, tmp_path):
     [
         (5, "is no table"),
         ({}, "none: they say no state"),
-        ({"phi": [0.1, 0.2], "phidot": [1.0], "sigma3": 1.0, "sigma4": 1.0}, "expected length 2 but got length 1"),
+        ({"phi": [0.1, 0.2], "phidot": [1.0]}, "expected length 2 but got length 1"),
+        (dict.fromkeys(NAMES, 1.0), "is no table"),
+        ({"phi": [1.0, "x"]}, "is no table"),
         ({"phi": [], "phidot": [], "sigma3": [], "sigma4": []}, "holds no states"),
         ({name: ["a"] for name in NAMES}, "holds no numbers"),
-        (dict.fromkeys(NAMES, np.ones((2, 2))), "holds no numbers"),
-        ({**dict.fromkeys(NAMES, 1.0), "x": [[1.0], [1.0, 2.0]]}, "is no table"),
+        (dict.fromkeys(NAMES, np.ones((2, 2))), "is no table"),
         (pyarrow.table({name: [[1.0]] if name == "x" else [1.0] for name in (*NAMES, "x")}), "'x' holds list"),
-        (dict.fromkeys(NAMES, True), "column 'phi' holds no numbers"),
+        ({name: [True] for name in NAMES}, "column 'phi' holds no numbers"),
         (dict.fromkeys(NAMES, np.array([1], "M8[ns]")), "column 'phi' holds no numbers"),
-        (np.ones((3, 5)), "is no table .*; give .* rows of phi, phidot, sigma3, sigma4"),
+        (np.ones((3, 5)), "is no table .*; give a path, a DataFrame, a dict of columns"),
         ("nowhere.csv", "cannot be read"),
     ],
 )
@@ -224,12 +223,8 @@ def test_missing_cells_of_any_kind_are_nan_or_empty(library):
     assert found["truth"].dtype == bool
 
 
-@pytest.mark.parametrize("cell", ["x", "0x1", None, pd.NA], ids=repr)
-def test_a_cell_that_is_no_number_is_nan_and_the_others_are_read(cell):
-    masked = np.ma.array([1, 2, 3, 4], mask=[False, True, False, False])
-    cells = np.array([cell, 0.5, "2", Fraction(1, 4) * 16], object)
-    given = {"tilt": cells, "precession": masked, "spin": 3.0, "mine": np.array(["a", cell, None, b"b"], object)}
+def test_a_cell_that_is_no_number_is_nan_and_the_others_are_read():
+    given = {"tilt": ["x", "0.5", "2", None], "precession": [1, None, 3, 4], "spin": [3.0] * 4}
     found = GivenStates.of("states", given).columns
-    np.testing.assert_array_equal(found["tilt"], [np.nan, 0.5, 2.0, 4.0])
+    np.testing.assert_array_equal(found["tilt"], [np.nan, 0.5, 2.0, np.nan])
     np.testing.assert_array_equal(found["precession"], [1, np.nan, 3, 4])
-    np.testing.assert_array_equal(found["spin"], [3.0] * 4)

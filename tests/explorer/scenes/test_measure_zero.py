@@ -56,9 +56,8 @@ def few():
         {"box": "phi=-1.5:1.5", "energy": ":3"},
         {"box": "phi=-0.5:1,sigma4=0.3"},
         {"box": "phi=0.2", "gaussian": "sigma3=0:0.7,phidot=0.5:0.4"},
-        {"sampling": "sobol"},
     ],
-    ids=["vertical", "tilted", "energy", "fixed", "gaussian", "sobol"],
+    ids=["vertical", "tilted", "energy", "fixed", "gaussian"],
 )
 def test_slope_and_constant_are_those_of_codimension_one(disk, options):
     """Every estimate within 4 standard errors, and errors as small as the draws allow."""
@@ -75,7 +74,6 @@ def test_slope_and_constant_are_those_of_codimension_one(disk, options):
     assert found["p_value_tubes"]["plateau"] == 0.0
     assert found["p_value"]["plateau"] == found["p_value_counts"]["plateau"]
     assert found["p_value_counts_against_tubes"] > 1e-4
-    assert found["race"]["wrong"] == 0 < found["race"]["right"]
 
 
 def test_plain_counts_and_tubes_agree_where_both_have_hits(uniform):
@@ -102,14 +100,12 @@ def test_probability_splits_as_predicted(uniform):
 
 
 def test_the_correction_to_the_law_shrinks_like_delta():
-    """P/(C delta) - 1 at delta = 0.1 and 0.01 differ by about ten; Sobol points see it."""
-    found = summary_of(samples=4096, tube=1 << 14, sampling="sobol", ladder="1e-6:1e-1")
+    """P/(C delta) - 1 at delta = 0.1 and 0.01 differ by about ten."""
+    found = summary_of(samples=4096, tube=1 << 18, ladder="1e-6:1e-1")
     corrections = [row["correction"] for row in found["splits"]["eta_positive"]]
     assert corrections[0] < -0.05
     assert 0.04 < corrections[1] / corrections[0] < 0.2
-    assert abs(corrections[3]) < 1e-3
-    alone = summary_of(samples=4096, tube=1 << 14, ladder="1e-6:1e-1")
-    assert alone["constant"]["error"] > 1.5 * found["constant"]["error"]
+    assert abs(corrections[3]) < 5e-3
 
 
 def test_plain_draws_come_last_so_that_a_longer_run_keeps_all_chunks(few):
@@ -133,9 +129,9 @@ def test_estimates_are_means_of_the_stored_weights(few):
     assert row["effective_sample_size"] > 300
 
 
-def test_rows_that_are_kept_are_the_first_batches_and_plain_draws_below_the_first_rung(few):
-    near = replace(few, tube=20_000, keep="near")
-    assert [near.chunk(index)[0]["status"].size for index in (0, 1)] == [1 << 14, 0]
+def test_rows_that_are_kept_are_plain_draws_below_the_first_rung(few):
+    near = replace(few, keep="near")
+    assert near.chunk(0)[0]["status"].size == 0
     plain, tally = near.chunk(near.chunks - 1)
     assert plain["theta_min"].size == tally.below.counts[:-1].sum() > 0
     assert plain["theta_min"].max() < 0.1
@@ -149,7 +145,6 @@ def test_a_plain_draw_that_is_not_followed_could_not_come_flatter_than_the_first
     np.testing.assert_allclose(nearer, abs(table["eta_hat"]), rtol=1e-9, atol=1e-14)
     assert tally.status["not followed"] == 5000 - table["status"].size > 0
     assert sum(tally.status.values()) == 5000
-    assert tally.race["wrong"] == 0 < tally.race["right"]
 
 
 def test_runs_with_other_seeds_add_up(few):
@@ -199,7 +194,7 @@ def test_a_density_given_in_python_is_sampled_and_identified():
 
 
 def test_options_come_back_from_json():
-    options = {"energy": "1.2:4", "gaussian": "sigma3=0.5:1", "box": "phi=-1:1", "sampling": "sobol"}
+    options = {"energy": "1.2:4", "gaussian": "sigma3=0.5:1", "box": "phi=-1:1"}
     scene = MeasureZero(samples=1000, tube=512, ladder="1e-7:1e-1", **options)
     assert scene_of(json.loads(json.dumps(scene.options))) == scene
 
@@ -218,8 +213,6 @@ def test_options_come_back_from_json():
         ({"density": lambda phi, *_: np.random.default_rng().random(phi.size)}, "call to call"),
         ({"ladder": (-1.5, 0.3)}, "with 1e-100 <= LOW"),
         ({"tube": 1}, "tube"),
-        ({"tube": 20, "sampling": "sobol"}, "16 scrambles"),
-        ({"sampling": "halton"}, "sampling"),
         ({"box": "sigma3=0,sigma4=0"}, "both fixed"),
         ({"box": f"phi=0:{0.5 * math.pi!r}"}, "delta ln"),
         ({"disk": "m=1,r=1,g=1,I1=0.5,I3=0"}, "I3"),

@@ -25,14 +25,12 @@ def test_the_summary_has_levels_equilibria_separatrices_and_thresholds():
     assert on == {True, False}
     for name in ("straight_rolling", "spinning_upright", "circular_rolling"):
         assert found["thresholds"][name]["closed_form"] > 0.0
-    well = found["well_on_the_line"]
-    assert well["bottom"] < well["rim"] == found["separatrices"][0]["energy"]
     assert len(scene.headline(found)) == 6
 
 
 def test_a_chunk_holds_the_points_of_nine_levels_within_the_energies_that_are_asked():
-    scene = Portrait.of({"disk": "uniform", "eta_hat": "0.02", "energy": "0.5:2", "well": True})
-    assert scene == Portrait.of({"disk": "uniform", "eta_hat": 0.02, "energy": (0.5, 2.0), "well": True})
+    scene = Portrait.of({"disk": "uniform", "eta_hat": "0.02", "energy": "0.5:2"})
+    assert scene == Portrait.of({"disk": "uniform", "eta_hat": 0.02, "energy": (0.5, 2.0)})
     assert scene.chunks == 2
     for index in range(2):
         table, tally = scene.chunk(index)
@@ -44,14 +42,11 @@ def test_a_chunk_holds_the_points_of_nine_levels_within_the_energies_that_are_as
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"well": True, "sigma3_bar": 1.0}, "no well beside the falling motions"),
         ({"energy": (2.0, 1.0)}, "empty"),
         ({"energy": (1.0, 1.0)}, "empty"),
         ({"energy": (-2.0, -1.0)}, "no motion has an energy below"),
         ({"energy": "far"}, "energy"),
         ({"sigma4_bar": 0.1, "eta_hat": 0.1}, "leave out one"),
-        ({"well": True, "sigma4_bar": 0.1}, "leave it out"),
-        ({"well": "yes"}, "well"),
         ({"sigma3_bar": "far"}, "sigma3_bar"),
         ({"sigma3_bar": "nan"}, "sigma3_bar"),
         ({"eta_hat": "1:2"}, "eta_hat"),

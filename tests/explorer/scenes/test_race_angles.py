@@ -26,21 +26,19 @@ def test_race_angles_pile_up_at_kappa_pi(disk):
         assert abs(found[f"median_{name}"] - sign * limit) < 1e-4
         assert found[f"width_{name}"] < 1e-4
     assert found["wrong_way"] == 0
-    assert found["failures"] == {}
 
 
 def test_a_hundred_thousand_races_over_eight_decades_go_no_wrong_way():
     """Every one is right or says that it does not know."""
     scene, found = summary_of(samples=100_000, eta_hat="1e-10:1e-2", accuracy=1e-8)
     assert found["wrong_way"] == 0
-    assert found["status"]["ok"] + found["failures"].get("unresolved_side", 0) == 100_000
+    assert found["status"]["ok"] + found["status"].get("unresolved_side", 0) == 100_000
     assert found["status"]["ok"] > 95_000
     counts = found["histogram"]
     assert sum(counts["counts_plus"]) + counts["outside_plus"] == found["races_plus"]
     assert found["races_plus"] == pytest.approx(50_000, rel=0.05)
     deviations = [row["median_deviation"] for row in found["by_decade"]]
     assert all(a < b for a, b in itertools.pairwise(deviations[3:]))
-    assert found["energy_range"][1] > 3 * found["energy_range"][0]
     assert "wrong way: 0" in scene.headline(found)
 
 
@@ -52,9 +50,7 @@ def test_the_coarsest_integrator_knows_every_side_down_to_1e_minus_300(method):
     assert found["status"] == {"ok": 3000}
 
 
-@pytest.mark.parametrize(
-    "options", [{}, {"energy": "1.5:2"}, {"eta_hat": "1e-300:1", "method": "rk4", "accuracy": 1e-2}]
-)
+@pytest.mark.parametrize("options", [{}, {"eta_hat": "1e-300:1", "method": "rk4", "accuracy": 1e-2}])
 def test_counts_are_of_all_samples_and_those_of_the_columns(options):
     """Whatever is kept; a chunk is of a block and a part of one."""
     scenes = {keep: RaceAngles.of(dict(samples=40_000, keep=keep, **options)) for keep in ("none", "all")}
@@ -71,7 +67,6 @@ def test_counts_are_of_all_samples_and_those_of_the_columns(options):
         np.testing.assert_array_equal(
             found["histogram"][f"counts_{name}"], np.histogram(race, found["histogram"]["edges"])[0]
         )
-    assert found["energy_range"] == [np.nanmin(table["energy"]), np.nanmax(table["energy"])]
 
 
 def made_up(seed, count=500):
@@ -166,19 +161,12 @@ def test_several_bounces_have_a_row_each_and_one_bad_row_ends_nothing(wobbling):
     assert found["approaches"] == 147
 
 
-def test_an_energy_cuts_the_starts_near_f():
-    energy = RaceAngles.of({"samples": 1000, "energy": "1.5:2"}).chunk(0)[0]["energy"]
-    assert (energy >= 1.5).all()
-    assert (energy <= 2.0).all()
-    assert np.ptp(energy) > 0.4
-
-
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         ({"box": "phidot=1,sigma3=1e120"}, r"none of 10 samples has a race angle \(10 bad_input\); .*in box"),
         (
-            {"states": {"phi": [-1.2543], "phidot": -0.0647, "sigma3": 1.056, "sigma4": -2.2335}},
+            {"states": {"phi": [-1.2543], "phidot": [-0.0647], "sigma3": [1.056], "sigma4": [-2.2335]}},
             "give states with more energy",
         ),
     ],

@@ -22,10 +22,9 @@ WAYS = {
     "falling-set": {"samples": 300},
     "falling-set, in one pass": {"samples": 300, "theta_min": "near"},
     "falling-set, integrated": {"samples": 300, "method": "dop853", "accuracy": 1e-3},
-    "falling-set, given": {"states": {"phi": [0.1, 0.2], "phidot": 0.3, "sigma3": 0.4, "sigma4": 0.5}},
+    "falling-set, given": {"states": {"phi": [0.1], "phidot": [0.3], "sigma3": [0.4], "sigma4": [0.5]}},
     "race-angles": {"samples": 300},
     "race-angles, integrated": {"samples": 300, "method": "dop853", "accuracy": 1e-3},
-    "race-angles, energy": {"samples": 300, "energy": "1:5"},
     # so exact that some states need the adaptive rules
     "race-angles, states": {"samples": 300, "box": "phi=-0.5:0.5", "accuracy": 1e-11},
     "one-sided": {"samples": 1},

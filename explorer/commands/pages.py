@@ -1,0 +1,58 @@
+"""The README.md that a command leaves in a folder of pictures; their captions are in the files."""
+
+import html
+from collections.abc import Iterable
+from pathlib import Path
+
+from PIL import Image, UnidentifiedImageError
+
+from explorer.pictures.register import Caption, Question
+
+_EXIF_DESCRIPTION = 0x010E  # where WebP carries its caption
+
+
+def full_size(picture: Path) -> Path:
+    """The file that shows a picture in its full size: of a film its WebM, of a picture that moves its still."""
+    larger = {".gif": ".webm", ".webp": ".png"}.get(picture.suffix, picture.suffix)
+    return there if (there := picture.with_suffix(larger)).exists() else picture
+
+
+def caption_in(path: Path) -> Caption | None:
+    """The caption inside a picture or a film, a question and a text; None where there is none."""
+    try:
+        with Image.open(path) as picture:
+            found = picture.info.get("Description") or picture.info.get("comment")
+            # Pillow reads what EXIF holds as Latin-1.
+            found = found or picture.getexif().get(_EXIF_DESCRIPTION, "").encode("latin-1")
+    except (OSError, UnidentifiedImageError):
+        return None
+    question, _, text = (found.decode("utf-8") if isinstance(found, bytes) else str(found)).partition("\n")
+    return Caption(Question(question), text) if question in set(Question) else None
+
+
+def picture_lines(picture: Path, root: Path) -> list[str]:
+    """A picture with its caption for the page of `root`."""
+    caption = caption_in(picture)
+    image, full = image_of(picture, root, caption, 600), full_size(picture)
+    shown = image if full == picture else f'<a href="{full.relative_to(root).as_posix()}">{image}</a>'
+    return [shown, "", caption.text if caption else text_of(picture, None)]
+
+
+def write_page(folder: Path, title: str, made_by: str, parts: Iterable[tuple[str, list[str], list[Path]]]) -> None:
+    """Write the README.md of a folder. parts: heading, lines of text, and pictures, which bring their captions."""
+    lines = [f"# {title}", "", f"Made by {made_by}"]
+    for heading, text, pictures in parts:
+        lines += ["", f"## {heading}", "", *text]
+        lines += [line for picture in pictures for line in ("", *picture_lines(picture, folder))]
+    (folder / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def image_of(picture: Path, root: Path, caption: Caption | None, width: int) -> str:
+    text = text_of(picture, caption)
+    return f'<img src="{picture.relative_to(root).as_posix()}" width="{width}" alt="{text}">'
+
+
+def text_of(picture: Path, caption: Caption | None) -> str:
+    """What is said of a picture: its caption, or its own name with its folder's."""
+    above = picture.parent.parent if picture.parent.name == "figures" else picture.parent
+    return html.escape(caption.text if caption else f"{above.name}, {picture.stem.replace('-', ' ')}")

@@ -1,0 +1,66 @@
+"""Writes results/README.md: every picture below `results`, by question, with its caption and its command.
+
+`python tests/docs/gallery.py`; a folder's own page says "Made by `COMMAND`", a run says it in run.json.
+"""
+
+import contextlib
+import html
+import re
+from pathlib import Path
+
+from explorer.commands.pages import caption_in, full_size, image_of, text_of
+from explorer.errors import InputError, RunError
+from explorer.pictures.register import Question
+from explorer.runs.folder import read_record
+
+RESULTS = Path(__file__).resolve().parents[2] / "results"
+KINDS = (".png", ".gif", ".webp")
+_FIRST = ("hero", "definitions", "film")  # of their question, in this order
+_OTHER = "Other pictures"
+
+
+def gallery(root):
+    """Markdown for the README.md of a folder; captions are in the files, commands in the folders below it."""
+    parts = [path for path in sorted(root.iterdir()) if path.is_dir()]
+    shown = {str(question): [] for question in (*Question, _OTHER)}
+    for part in parts:
+        for picture in sorted(path for path in part.rglob("*") if path.suffix in KINDS):
+            if picture.suffix == ".png" and picture.with_suffix(".webp").exists():
+                continue  # the same that moves is shown
+            caption = caption_in(picture)
+            full = full_size(picture).relative_to(root).as_posix()
+            cell = [f'<a href="{full}">{image_of(picture, root, caption, 420)}</a>']
+            cell += [text_of(picture, caption), f"<code>{html.escape(command_of(part), quote=False)}</code>"]
+            shown[str(caption.question) if caption else _OTHER].append((picture, "<br>\n".join(cell)))
+    lines = [
+        "# Results",
+        "",
+        "Each picture is made by the command beside it, and this page by `python tests/docs/gallery.py`.",
+        "Click a picture to see it in full size.",
+    ]
+    for question, cells in shown.items():
+        cells.sort(key=lambda each: _FIRST.index(each[0].stem) if each[0].stem in _FIRST else len(_FIRST))
+        rows = [cells[first : first + 2] for first in range(0, len(cells), 2)]
+        if rows:
+            lines += ["", f"## {question}", "", "<table>"]
+        for row in rows:
+            lines += ["<tr>", *(f'<td width="50%" valign="top">\n{cell}\n</td>' for _, cell in row), "</tr>"]
+        lines += ["</table>"] if rows else []
+    lines += ["", "## All folders", "", "| folder | command |", "|---|---|"]
+    lines += [f"| [`{path.name}/`]({path.name}) | `{command_of(path)}` |" for path in parts]
+    return "\n".join(lines) + "\n"
+
+
+def command_of(folder):
+    """The command that made a folder, as its page or its run says it."""
+    page = folder / "README.md"
+    if page.is_file() and (said := re.search(r"^Made by `(.+?)`", page.read_text("utf-8"), re.MULTILINE)):
+        return said[1]
+    with contextlib.suppress(InputError, RunError):
+        record = read_record(folder)
+        return record["command"] or f"ex.run({record['options']['scene']!r}, ...), with the options in run.json"
+    return "not known"
+
+
+if __name__ == "__main__":
+    (RESULTS / "README.md").write_text(gallery(RESULTS), encoding="utf-8")
