@@ -162,9 +162,9 @@ _CONTACT = (
     "side of F, the other way on the other side."
 )
 _TITLES = {
-    "chi": r"In each near-fall $\chi$ jumps by $\kappa\pi$, up on one side of $F$, down on the other",
+    "chi": r"In each near-fall $\chi$ jumps by $\kappa\pi$, up or down",
     "axis": r"Nearly flat, the axis turns round the vertical by $\kappa\pi$",
-    "path": "After a near-fall the centre leaves in a direction that depends on the side of $F$",
+    "path": "The centre leaves a near-fall differently on the two sides of $F$",
     "contact": "On the two sides of $F$ the contact point races opposite ways",
 }
 _UNIFORM, _HOOP = Disk.uniform(), Disk.hoop()
