@@ -34,11 +34,9 @@ class Keywords(TypedDict, total=False):
     grid: int | float | str
     ladder: str | tuple[float, float]
     tube: int | float | str
-    sampling: Literal['random', 'sobol']
     eta_hat: str | float | tuple[float, float]
     sigma3_bar: float | str
     sigma4_bar: float | str
-    well: bool
     start: Literal['near', 'anywhere']
     bounces: int | float | str
     out: Path | str
@@ -63,4 +61,4 @@ def plan(scene: Known, **options: Unpack[Keywords]) -> RunPlan: ...
 @overload
 def plan(scene: str | type[Scene], **options: Any) -> RunPlan: ...
 
-def trade(scene: str | type[Scene] | None = ..., *, motions: int | float | str = ..., t_end: float | str = ..., progress: bool | None = ..., **options: Any) -> Trade: ...
+def trade(*, disk: Disk | str = ..., samples: int | float | str = ..., seed: int | float | str = ..., box: str | Box | Mapping[str, tuple[float, float]] = ..., eta_hat: str | float | tuple[float, float] = ..., motions: int | float | str = ..., t_end: float | str = ..., progress: bool | None = ...) -> Trade: ...

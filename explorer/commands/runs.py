@@ -55,8 +55,8 @@ def _verify(options: argparse.Namespace) -> Answer:
 
 
 def _resume(options: argparse.Namespace) -> Answer:
-    given = {name: getattr(options, name) for name in _RESUME if hasattr(options, name)}
-    return shown(open(options.folder).resume(**given, progress=False if options.quiet else None))
+    quiet = False if options.quiet else None
+    return shown(open(options.folder).resume(**Settings.said(options), progress=quiet))
 
 
 def _summary(options: argparse.Namespace) -> Answer:

@@ -65,10 +65,11 @@ class Options:
         super().__init_subclass__(**how)
         inherited = {each.name for each in fields(cls.__mro__[1])} if is_dataclass(cls.__mro__[1]) else set()
         for name, value in vars(cls).items():
-            if isinstance(value, Field) and name not in inherited and hasattr(super(cls, cls), name):
-                raise TypeError(
-                    f"{cls.__name__}.{name} has the name of something else; call your option otherwise"
-                )
+            here, declared = f"{cls.__name__}.{name}", isinstance(value, Field)
+            if name in inherited and not declared:
+                raise TypeError(f"{here} is an option; declare it anew by option(...)")
+            if name not in inherited and declared and hasattr(super(cls, cls), name):
+                raise TypeError(f"{here} has the name of something else; call your option otherwise")
         dataclass(frozen=True, kw_only=True, repr=False)(cls)
 
     def __post_init__(self) -> None:

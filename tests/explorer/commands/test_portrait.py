@@ -23,14 +23,6 @@ def test_each_group_of_pictures_is_one_command(group, tmp_path):
         assert path.with_suffix(".svg").stat().st_size < 5_000_000
 
 
-def test_options_reach_the_phase_portrait(tmp_path):
-    given = {"sigma3_bar": "0.3", "eta_hat": "1e-3", "energy": "0.5:2"}
-    written = portrait(Drawn(out=tmp_path, disk=HOOP, only="phase"), given)
-    names = {path.name for path in written}
-    assert {"portrait-on.png", "portrait-beside.png"} < names
-    assert "portrait-plus.png" not in names
-
-
 @pytest.mark.parametrize(
     ("words", "message"),
     [

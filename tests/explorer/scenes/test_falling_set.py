@@ -35,16 +35,16 @@ def test_the_integrated_valley_lies_on_the_exact_curve():
     """On a slice at the vertical and on a curved one: theta_min is smallest where eta changes sign."""
     disk = BODIES["uniform"]
     for text in ("phi=0,phidot=1,sigma3=0.2:2,sigma4=0:1.6", "phi=0.2:0.9,phidot=0.3,sigma3=0.4,sigma4=0.1:1.2"):
-        found = slice_map(disk, Slice.read(text), points=201, method="dopri5")
+        found = slice_map(disk, Slice.read(text), points=101, method="dopri5")
         inside = 0
         for row, column in enumerate(np.argmin(found["theta_min"], axis=1)):
-            if found["theta_min"][row, column] > 0.02 or not 2 < column < 198:
+            if found["theta_min"][row, column] > 0.02 or not 2 < column < 98:
                 continue
             around = found.falls.distance_plus[row, column - 2 : column + 3]
             assert around.min() < 0 < around.max()
             assert found.falls.could_fall_plus[row, column]
             inside += 1
-        assert inside > 50
+        assert inside > 25
 
 
 @pytest.mark.parametrize("theta_min", ["all", "near"])
@@ -107,7 +107,7 @@ def test_the_headline_is_in_sentences_a_user_can_read(tmp_path):
     assert "of samples with |eta_hat| <= 0.001: median" in scene.headline(found)[2]
     (tmp_path / "states.csv").write_text("phi,phidot,sigma3,sigma4\n0.1,1,1,0.5\n,1,1,2\n0.2,1,1,1\n")
     run = ex.run("falling-set", states=tmp_path / "states.csv")
-    for text in ("eta were exactly 0: 100.0%", "2 states of 3 samples", "2 ok", "1 bad_input"):
+    for text in ("were exactly 0: 100.0%", "2 of 3 samples are states", "2 ok", "1 bad_input"):
         assert text in repr(run)
     assert run.figure("theta-min").axes[0].lines[0].get_ydata()[-1] == 1.0
 

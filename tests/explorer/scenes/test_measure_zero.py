@@ -47,17 +47,17 @@ def few():
     return MeasureZero(**FEW)
 
 
-@pytest.mark.parametrize("disk", ["uniform", "hoop", "matching"])
 @pytest.mark.parametrize(
-    "options",
+    ("disk", "options"),
     [
-        {},
-        {"box": "phi=-1:1"},
-        {"box": "phi=-1.5:1.5", "energy": ":3"},
-        {"box": "phi=-0.5:1,sigma4=0.3"},
-        {"box": "phi=0.2", "gaussian": "sigma3=0:0.7,phidot=0.5:0.4"},
+        ("uniform", {}),
+        ("hoop", {}),
+        ("matching", {}),
+        ("hoop", {"box": "phi=-1:1"}),
+        ("uniform", {"box": "phi=-1.5:1.5", "energy": ":3"}),
+        ("hoop", {"box": "phi=-0.5:1,sigma4=0.3"}),
+        ("matching", {"box": "phi=0.2", "gaussian": "sigma3=0:0.7,phidot=0.5:0.4"}),
     ],
-    ids=["vertical", "tilted", "energy", "fixed", "gaussian"],
 )
 def test_slope_and_constant_are_those_of_codimension_one(disk, options):
     """Every estimate within 4 standard errors, and errors as small as the draws allow."""
@@ -101,7 +101,7 @@ def test_probability_splits_as_predicted(uniform):
 
 def test_the_correction_to_the_law_shrinks_like_delta():
     """P/(C delta) - 1 at delta = 0.1 and 0.01 differ by about ten."""
-    found = summary_of(samples=4096, tube=1 << 18, ladder="1e-6:1e-1")
+    found = summary_of(samples=4096, tube=1 << 16, ladder="1e-6:1e-1")
     corrections = [row["correction"] for row in found["splits"]["eta_positive"]]
     assert corrections[0] < -0.05
     assert 0.04 < corrections[1] / corrections[0] < 0.2

@@ -9,7 +9,7 @@ import pytest
 from told import said
 
 import explorer as ex
-from explorer.scenes import Counts, SampledScene
+from explorer.scenes import Counts, SampledScene, option, whole_from
 from explorer.scenes import scene as scenes
 
 EXAMPLE = f"{Path(__file__).parents[3] / 'docs' / 'examples' / 'own_scene.py'}:Periods"
@@ -182,6 +182,13 @@ class Coins(SampledScene):
             "",
             "Coins.length has the name",
         ),
+        ("tally, columns", "samples = 50\n    tally, columns", "", "Coins.samples is an option; declare it anew"),
+        (
+            "tally, columns",
+            "seed: float = option(NUMBER, 'x', default=0.5)\n    tally, columns",
+            "",
+            "seed: is a whole number in every scene",
+        ),
         ("tally, columns", "jobs: float = option(NUMBER, 'x')\n    tally, columns", "", "jobs is a word of runs"),
         ("heads: int", "heads = 0", "", "HeadCounts.heads has no kind; write heads: int"),
         ("SampledScene):", "SampledScene)", "", "SyntaxError"),
@@ -210,6 +217,17 @@ def test_what_is_wrong_in_it_is_told_in_a_sentence_with_its_place(right, wrong, 
     assert len(err.splitlines()) == 1, err
     assert (f"{file}:Coins{place}: " if place else "") in err
     assert message in err
+
+
+def test_seed_and_samples_may_be_declared_anew_with_other_defaults():
+    class Few(Coins):
+        samples: int = option(whole_from(10, 200), "number of coins", default=50)
+        seed: int = option(whole_from(1), "seed", default=3)
+
+    run = ex.run(Few)
+    assert (run.summary["samples"], run.summary["seed"]) == (50, 3)
+    with pytest.raises(ex.InputError, match="samples = 9 must be a whole number"):
+        ex.run(Few, samples=9)
 
 
 def test_statuses_and_numbers_of_any_kind_can_be_stored(tmp_path):
