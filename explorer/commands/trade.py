@@ -24,14 +24,15 @@ from explorer.scenes.scene import joined
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT
 
 _REFERENCE = {
-    "passages": "quadrature along arcs at 1e-11, which uses none of the tables of the methods that are measured",
+    "passages": "quadrature along arcs at 1e-11, which uses none of the precomputed tables of the methods",
     "motions": "rk8 with steps far finer than any accuracy needs",
 }
 _ABOUT = """Times are those of `passages` and `simulate`: processor time of one core, without compile time, the
 least of several interleaved rounds. Compare them only within this page. Each setting is judged at the accuracy
-for which it would be chosen, twice its error. At that accuracy, *unresolved* is the share of samples whose side
-of F is unknown, *refused* the share without an answer for another reason, and *wrong_way* counts samples that
-came out on the other side of F. No other integrator is as fast and as accurate as those *on_front*."""
+for which it would be chosen, which is twice its error. At that accuracy, *unresolved* is the share of samples
+whose side of the falling set F is unknown, *refused* the share without an answer for another reason, and
+*wrong_way* counts samples that came out on the other side of F. No other integrator is as fast and as accurate
+as those *on_front*."""
 # The columns of a table, with their formats
 _COLUMNS = {
     **{"method": "", "setting": ".2g", "median": ".0e", "p99": ".0e", "largest": ".0e"},
@@ -56,7 +57,7 @@ class Trading(Options):
     )
     motions: int = option(
         whole_from(0),
-        "of how many samples, from the first on, the motions in time are measured too; 0 for none",
+        "number of samples, counted from the first, whose motions in time are measured too; 0 for none",
         default=1024,
     )
     t_end: float | None = option(
