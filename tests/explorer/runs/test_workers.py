@@ -206,7 +206,7 @@ def test_what_goes_wrong_in_a_chunk_comes_back_from_every_worker(backend):
 def test_progress_is_shown_where_a_run_takes_longer_than_two_seconds(tmp_path):
     for seconds, words, shown in ((1.5, (), True), (1.5, ("--quiet",), False), (0.0, (), False)):
         folder = tmp_path / f"{seconds}{shown}"
-        given = ("--samples", 400, "--chunk-size", 100, "--no-figures", *words)
+        given = ("--samples", 800, "--chunk-size", 100, "--no-figures", *words)
         done = nearflat("run", SCENE, *given, "--out", folder, seconds=seconds)
         _, err = done.communicate(timeout=60)
         assert done.returncode == 0, err
