@@ -21,7 +21,7 @@ import explorer as ex
 
 OUT = Path(__file__).parents[2] / "results" / "faults"
 KILLS, WORKER_KILLS, SPOILT = 32, 10, 200
-OPTIONS = {"samples": 1_000_000, "eta_hat": "1e-6:1e-2", "chunk_size": 8192, "keep": "all"}
+OPTIONS = {"samples": 400_000, "eta_hat": "1e-6:1e-2", "chunk_size": 8192, "keep": "all"}
 CHUNKS = -(-OPTIONS["samples"] // OPTIONS["chunk_size"])
 
 # A run in a process of its own. Every start of a chunk is written down; a fault may be built in.
