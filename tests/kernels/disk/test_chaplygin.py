@@ -24,7 +24,7 @@ def test_values_at_the_vertical_agree_with_gamma_functions_also_across_c_one_qua
 
 
 @pytest.mark.parametrize("c", PARAMETERS)
-@pytest.mark.parametrize("S", [1e-300, 1e-16, 1e-6, 0.01, 0.3, 0.77, 1.0])
+@pytest.mark.parametrize("S", [1e-100, 1e-16, 1e-6, 0.01, 0.3, 0.77, 1.0])
 def test_both_solutions_are_at_rounding_error_from_flat_to_vertical(c, S):
     f = solutions(S, math.log(S), c, make_series(c)[0])
     for name, want in zip(("rho", "drho", "D", "dD"), hypergeometric(c, S), strict=True):
