@@ -19,7 +19,7 @@ class Status(IntEnum):
     >>> ex.Status(7).name
     'UNRESOLVED_SIDE'
     >>> ex.Status.STEP_LIMIT.remedy
-    'Lower the accuracy (a larger `accuracy`), or try another `method`.'
+    'Allow larger errors (a larger `accuracy`), or try another `method`.'
     """
 
     OK = 0
@@ -51,29 +51,29 @@ _TEXTS = {
     ),
     Status.BAD_INPUT: (
         "The numbers do not describe a state (not finite, too large, already flat, a face other than +1 and -1), "
-        "or start a passage with whose energy no motion falls flat.",
-        "Give finite numbers below 1e100 natural units, -pi/2 < phi < pi/2 and a speed towards flat of 0 or more, "
-        "enough to come near it.",
+        "or they start a passage whose energy is too low for the disk to come near flat.",
+        "Give finite numbers below 1e100 natural units and -pi/2 < phi < pi/2. For a passage, give a speed "
+        "towards flat that is not negative, and is large enough to come near flat.",
     ),
     Status.STEP_LIMIT: (
-        "The limit of steps or nodes was reached before the event or the accuracy asked for: a slow start, or an "
-        "equilibrium near.",
-        "Lower the accuracy (a larger `accuracy`), or try another `method`.",
+        "The limit of steps or nodes was reached, but not the event or the accuracy asked for: the start is slow, "
+        "or an equilibrium is near.",
+        "Allow larger errors (a larger `accuracy`), or try another `method`.",
     ),
     Status.STEP_TOO_SMALL: (
         "The step size became smaller than rounding allows.",
-        "Lower the accuracy (a larger `accuracy`), or leave `method` at 'auto'.",
+        "Allow larger errors (a larger `accuracy`), or leave `method` at 'auto'.",
     ),
     Status.NOT_FINITE: (
         "The integration overflowed or became undefined.",
-        "Start from slower rates, or leave `method` at 'auto'.",
+        "Start with lower rates, or leave `method` at 'auto'.",
     ),
     Status.INVARIANT_DRIFT: (
-        "A constant of motion drifted further than the accuracy asked allows.",
-        "Leave `method` at 'auto'; with a fixed step, ask for a higher accuracy (a smaller `accuracy`).",
+        "A constant of motion drifted by more than the accuracy that was asked for.",
+        "Leave `method` at 'auto'; with a fixed step, ask for smaller errors (a smaller `accuracy`).",
     ),
     Status.UNRESOLVED_SIDE: (
         "The error of eta is not small compared with eta, so the direction of the race is unknown.",
-        "Give eta_hat itself, to `constants_to_states` or `passages`, or stay further from F.",
+        "Give eta_hat itself, to `constants_to_states` or `passages`, or start further from F.",
     ),
 }

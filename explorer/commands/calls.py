@@ -81,7 +81,7 @@ def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
 def trade(scene: str | type[Scene] | None = None, **options: Any) -> Trade:
     """Measure the error and the cost of every method on the samples of a scene, and on its motions in time.
 
-    Passages are compared with quadrature by arcs alone, without tables; smallest tilts with quadrature; motions
+    Passages are compared with quadrature along arcs, which uses no tables; smallest tilts with quadrature; motions
     in time with far finer steps. Costs are those of the calls that the scene and `simulate` make, on one core,
     without compile time.
 
@@ -94,7 +94,7 @@ def trade(scene: str | type[Scene] | None = None, **options: Any) -> Trade:
     Returns
     -------
     Trade
-        For picture work-precision; `store` lets `accuracy` use it.
+        For the picture work-precision; its method `store` keeps it, so that `accuracy` chooses by it from then on.
 
     Raises
     ------

@@ -54,7 +54,10 @@ COMMANDS = {
         "--jobs 2",
     ),
     "run": Command(
-        "run", "Run a scene, ours or your own, on many states; store samples, summary and figures.", _RUN
+        "run",
+        "Run a scene, that is, one question about many states, ours or your own; store samples, summary and "
+        "figures.",
+        _RUN,
     ),
     "status": Command("runs", "Say how far a stored run has got.", _STORED),
     "verify": Command("runs", "Check every chunk of a stored run; exit status 1 if one is damaged.", _STORED),

@@ -30,7 +30,9 @@ class Drawn(Options):
     """What is drawn, and where it goes."""
 
     disk: Disk | None = option(
-        DISK, "as for run", words="uniform; of hero and film one whose two rises are opposite, kappa = 2.5"
+        DISK,
+        "as for run",
+        words="uniform; for hero and film one with kappa = 2.5, which rises in opposite places on the two sides",
     )
     only: str | None = option(
         Reader(partial(one_of, known=GROUPS), "GROUP", "str"),

@@ -24,7 +24,7 @@ class Coordinates(Options):
     phi: str | None = option(_VALUE, "tilt from the vertical; with --phidot, --sigma3 and --sigma4")
     phidot: str | None = option(_VALUE, "rate of phi")
     sigma3: str | None = option(_VALUE, "sigma3 of eq. (2.14)")
-    sigma4: str | None = option(_VALUE, "spin sigma4 of eq. (2.14)")
+    sigma4: str | None = option(_VALUE, "sigma4 of eq. (2.14)")
     energy: str | None = option(_VALUE, "energy, instead of phidot")
     sigma3_bar: str | None = option(_VALUE, "constant of motion, in the place of sigma3")
     sigma4_bar: str | None = option(_VALUE, "constant of motion, in the place of sigma4")
@@ -44,14 +44,17 @@ class Question(Coordinates):
         words="theta_min:1e-3",
     )
     count: int = option(
-        whole_from(1), "number of approaches to flat to follow; two show all smallest tilts", default=1
+        whole_from(1),
+        "how many approaches to flat are followed; two show the smallest tilt on each face",
+        default=1,
     )
     samples: int = option(
         whole_from(10),
-        "plain draws; an eighth as many, and 4,096 at least, beside the falling set at each face",
+        "number of plain draws, from the whole distribution; beside the falling set an eighth as many are drawn "
+        "at each face, but at least 4,096",
         default=1_000_000,
     )
-    accuracy: float = option(NUMBER._replace(metavar="TOL"), "relative, of theta_min", default=1e-6)
+    accuracy: float = option(NUMBER._replace(metavar="TOL"), "relative accuracy of theta_min", default=1e-6)
     seed: int = option(whole_from(0), "seed of the random numbers", default=0)
 
 

@@ -32,7 +32,9 @@ class Trading(Options):
     """What is measured beside the samples of the scene."""
 
     motions: int = option(
-        whole_from(0), "also measure motions in time, from the first so many samples; 0: none", default=MOTIONS
+        whole_from(0),
+        "number of samples, counted from the first, whose motions in time are measured too; 0 for none",
+        default=MOTIONS,
     )
     t_end: float | None = option(
         Reader(positive, "T", "float | str"),

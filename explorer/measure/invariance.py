@@ -42,7 +42,8 @@ class Stretch(Result):
     time : array
         For which each motion was followed, in the units of the disk.
     matrix : (..., 4, 4) array
-        Derivative of (phi, phidot, sigma3, sigma4) at that time by the same at the start, natural units. NaN for
+        Derivative of (phi, phidot, sigma3, sigma4) at that time with respect to their values at the start, natural
+        units. NaN for
         states that are bad input.
     determinant : array
         1 for a measure that is invariant.
@@ -80,7 +81,8 @@ def flow_stretch(states: States, steps: int = 200, step: float = 0.05) -> Stretc
     steps : int
         Number of integration steps, 1 or more.
     step : float
-        Size of a step of s in units of 1/speed, up to 1. With dt = cos(phi) ds time goes by slowly near flat.
+        Size of a step of s, where dt = cos(phi) ds, so that time goes by slowly near flat; in units of 1/speed, up
+        to 1.
 
     Returns
     -------
@@ -162,7 +164,7 @@ class Pushed:
 def push_forward(
     disk: Disk, time: float, samples: int = 20_000, *, energy: float | None = None, seed: int = 0
 ) -> Pushed:
-    """Compare states drawn from dphi dphidot dsigma3 dsigma4 with states that have moved for some time.
+    """Compare states drawn uniformly in phi, phidot, sigma3, sigma4 with others that have moved for some time.
 
     Parameters
     ----------

@@ -63,10 +63,10 @@ class Probability:
         It lies between these with a confidence of 95 %. After plain draws without a hit the lower one is 0, and
         the upper one is a bound of one side (Clopper-Pearson).
     effective_samples : float
-        Number of hits of equal weight that would say as much; of plain draws their hits.
+        Number of hits of equal weight that would give the same precision; for plain draws, the number of hits.
     law : Law or None
-        `constant` C of P = C delta, its standard `error`, and the delta that P `holds_below`; None of other
-        events.
+        `constant` C of P = C delta, its standard `error`, and the delta below which it holds, `holds_below`; None
+        for other events.
     method : str
         "plain" or "importance".
     note : str
@@ -128,7 +128,7 @@ def probability(
         Needs I3 > 0.
     event : (str, float) or callable
         ("theta_min", delta): the tilt becomes smaller than delta (rad). Or a function of `Bounces` that returns a
-        bool for each state, or for each state and bounce: then any of its bounces counts. Of motions that fall
+        bool for each state, or for each state and bounce: then any of its bounces counts. For motions that fall,
         theta_min is 0, and the other columns are NaN or 0.
     count : int
         Within how many bounces. The tilt is periodic: bounces of one state have at most two theta_min, one on each
@@ -136,7 +136,7 @@ def probability(
     degrees : bool
         Whether angles and rates are in degrees instead of rad; theta_min never is.
     accuracy : float
-        Of `bounces`, and relative of theta_min, 1e-13 to 0.1.
+        As for `bounces`; for theta_min it is relative. 1e-13 to 0.1.
     samples : int
         Plain draws. Beside the falling set an eighth as many are made at each face, and 4,096 at least.
     rng : int, SeedSequence or Generator
@@ -161,11 +161,11 @@ def probability(
 
     Notes
     -----
-    Draws that are not states, such as a negative tilt, are left out of the distribution. If
-    plain draws see at least 100 hits, they are the answer, with the exact interval of Clopper and Pearson.
-    Otherwise theta_min < delta is estimated by draws beside the falling set, whose two faces count once, with
-    weights. C delta is the limit for small delta; with count = 2 its C is that of `falling_constant`. It does
-    not hold if many of the initial states are already as near flat as delta.
+    Draws that are not states, such as a negative tilt, are left out of the distribution. If plain draws see at
+    least 100 hits, they are the answer, with the exact interval of Clopper and Pearson. Otherwise the probability
+    of theta_min < delta is estimated from weighted draws beside the falling set, on both faces; a state that is
+    beside both lines counts once. C delta is the limit for small delta; with count = 2 its C is that of
+    `falling_constant`. It does not hold if many of the initial states are already as near flat as delta.
 
     Examples
     --------

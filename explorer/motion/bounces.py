@@ -38,8 +38,8 @@ class Bounces(Result):
     row, bounce : array of int
         Which state, and which of its approaches to flat, both counted from 0.
     time : array
-        Time from the state to the flattest moment. In a motion that is steady to rounding every moment is one:
-        the tilt at this time differs from theta_min by rounding only.
+        Time from the state to the flattest moment. In a motion that is steady to rounding, every moment is a
+        flattest one: the tilt at this time differs from theta_min by rounding only.
     face : array of int8
         Which face came down, +1 or -1; 0 where that is not known.
     side : array of int8
@@ -56,8 +56,8 @@ class Bounces(Result):
     duration : array
         Duration of the passage, bounce or window.
     error_estimate : array
-        Of the angles (rad), of the duration and of theta_min (relative) and of the time to the flattest moment
-        (relative, or in periods of the motion where it is shorter than one), whichever is largest.
+        The largest of the errors of the angles (rad), of the duration and of theta_min (relative), and of the time
+        to the flattest moment (relative; in periods of the motion if that time is shorter than one period).
     status : array of int8
         `Status` of each state.
     states : States
@@ -111,7 +111,7 @@ def bounces(
         Threads. For many states see `scan`, which works in batches and shows its progress.
     method : str
         'auto' or 'quadrature'; or 'rk4', 'rk8', 'dopri5', 'dop853', which follow each motion through one period in
-        steps, to an accuracy of 1e-11 at best; the fall angle alone is by quadrature then, too.
+        steps, to an accuracy of 1e-11 at best; even then the fall angle, and only this, is computed by quadrature.
 
     Returns
     -------
@@ -130,10 +130,10 @@ def bounces(
     bounces give all that there is to know about the tilt.
 
     race_angle = delta_chi - fall_angle, where fall_angle is the increase of chi along the limit motion with the
-    same sigma3_bar and energy over its own stretch: from the vertical to flat and back where it crosses the
-    vertical, else from turning point to flat to turning point. So race_angle -> side kappa pi as eta -> 0, eq.
-    (7.9). If the energy does not exceed V_0, there is no limit motion, and both are NaN. The bounces of a
-    period add up to eqs (3.12), (3.13).
+    same sigma3_bar and energy, over one stretch of that limit motion: from the vertical to flat and back if it
+    crosses the vertical, else from a turning point to flat and back to a turning point. So race_angle -> side
+    kappa pi as eta -> 0, eq. (7.9). If the energy does not exceed V_0, there is no limit motion, and both are NaN.
+    The bounces of a period add up to eqs (3.12), (3.13).
 
     Examples
     --------

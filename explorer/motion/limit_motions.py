@@ -78,17 +78,17 @@ class LimitState(Table):
 class LimitMotion:
     """The one-sided continuation of a motion on F through all its impacts; call it with times.
 
-    If sigma3_bar = sigma4_bar = 0 and the energy is above m g r, the disk swings over the vertical, as a
-    pendulum, and falls to both flat states in turn. With sigma3_bar = 0 held, eta has the other sign on face -1,
-    so that chi jumps to and fro while psi always jumps the same way.
+    If sigma3_bar = sigma4_bar = 0 and the energy is above m g r, the disk swings over the vertical, as a pendulum,
+    and falls to both flat states in turn. If this motion is approached with sigma3_bar kept at 0, eta has opposite
+    signs on the two faces, so that chi jumps to and fro while psi always jumps the same way.
 
     Attributes
     ----------
     disk : Disk
         The body.
     face, side : int
-        Flat state that it falls to, and sign of eta from which F is approached, +1 or -1; +1 is the face of a
-        pendulum, for which `side` is meant.
+        Flat state that it falls to, and sign of eta from which F is approached, +1 or -1. For a pendulum `face` is
+        +1, and `side` is the sign of eta on this face.
     sigma3_bar : float
         sigma3 at the vertical (units of the disk).
     period : float
@@ -96,8 +96,8 @@ class LimitMotion:
     impact_speed : float
         |phidot| at an impact, A of eq. (7.1), units of the disk.
     chi_per_period : float
-        Increase of chi from impact to impact (rad), one jump of side times kappa pi included; of a pendulum this
-        jump alone, from which the next one on the same face is two periods.
+        Increase of chi from impact to impact (rad), one jump of side times kappa pi included; for a pendulum it is
+        this jump alone, and the next jump on the same face comes two periods later.
     missed : float
         eta_hat of the given state (units of the disk), by which it missed F; 0 to rounding on F.
 

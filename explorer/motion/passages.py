@@ -33,8 +33,8 @@ _FLOOR = 1e-9
 class Passages(Result):
     """Passages near flat, arrays of the arguments' shape, in the units of the disk: what `passages` returns.
 
-    What is computed of a sample whose status is not OK is NaN. One with eta_hat = 0 falls: its status is FALLS,
-    and its fall_time, fall_angle, energy and impact_speed are given.
+    If the status of a sample is not OK, all that is computed for it is NaN. One with eta_hat = 0 falls: its status
+    is FALLS, and its fall_time, fall_angle, energy and impact_speed are given.
 
     Attributes
     ----------
@@ -49,12 +49,12 @@ class Passages(Result):
     delta_chi, delta_psi : array
         Increase of the angles of contact in space and in the body (rad).
     fall_angle : array
-        Increase of chi along the limit motion with the same sigma3_bar and energy (rad); where that starts
-        later than the vertical, all of it.
+        Increase of chi along the limit motion with the same sigma3_bar and energy (rad): from the vertical to flat
+        and back, or, if that motion turns before the vertical, from its turning point to flat and back.
     theta_min : array
         Smallest tilt from flat (rad).
     duration, fall_time : array
-        Time of the passage; and of a sample that falls, from the vertical to flat, NaN of all others.
+        Time of the passage; and, for a sample that falls, the time from the vertical to flat (NaN for all others).
     energy, impact_speed : array
         Energy, and the speed A of eq. (7.1) with which the limit motion arrives (units of the disk).
     limit : array

@@ -43,8 +43,9 @@ class Periods(Result):
     energy : array
         Energy.
     error_estimate : array
-        Of the angles (rad), of the period and of theta_min (relative), whichever is largest. Near F theta_min is
-        known as well as `eta_hat`: of a state in doubles to some 1e-16, unless it is given.
+        The largest of the errors of the angles (rad), of the period and of theta_min (relative). Near F theta_min
+        is only known as well as `eta_hat` is: to some 1e-16 if that follows from a state in doubles, better if it
+        is given.
     status : array of int8
         `Status` of each state.
     states : States
@@ -84,13 +85,13 @@ def periods(
     states : States
         One state of each motion; the disk needs I3 > 0.
     accuracy : float
-        Error of the angles (rad), relative error of the period and of theta_min, 1e-13 to 0.1. Of angles that
-        are so large that their 14th digit is more, that.
+        Error of the angles (rad), relative error of the period and of theta_min, 1e-13 to 0.1. If an angle is so
+        large that its 14th digit exceeds this, its error is of the size of that digit.
     eta_hat : array_like, optional
-        Units of the disk, on the face whose hemisphere the state is in (+1 at the vertical). It replaces the
-        state's own, which is only known to rounding: a state on F to rounding FALLS or is UNRESOLVED_SIDE
-        without it. Where it differs by more, the motion is another one, with that eta_hat and the sigma3_bar,
-        tilt and phidot of the state. States made by `constants_to_states` keep the one they were made from.
+        Distance from F (units of the disk) for the face to which the disk leans, +1 at the vertical. It replaces
+        the state's own, which is only known to rounding: a state on F to rounding FALLS or is UNRESOLVED_SIDE
+        without it. Where it differs by more, the motion is another one, with that eta_hat and the sigma3_bar, tilt
+        and phidot of the state. States made by `constants_to_states` keep the one they were made from.
     jobs : int
         Threads, by default 1; the results do not depend on their number.
     method : str

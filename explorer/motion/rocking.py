@@ -68,7 +68,7 @@ class Rocking:
 
 
 def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HAT) -> Rocking:
-    """How far chi turns per bounce of a disk that rocks close to flat, from Euler's disk to the race.
+    """How far chi turns per bounce of a disk that rocks near flat: from the smallest oscillations up to the race.
 
     Parameters
     ----------

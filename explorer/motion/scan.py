@@ -39,17 +39,16 @@ OBSERVABLES = {name: call for call, names in _SOURCES.values() for name in names
 class Scan(Table):
     """Observables of states, arrays with their shape: what `scan` returns.
 
-    It is indexed by the name of an observable, or as an array for some of the states; where there is one
-    observable alone, it is also an array itself for numpy.
-    `save` stores it, and picture observable draws it.
+    Index it by the name of an observable, or like an array to get some of the states. If it has only one
+    observable, numpy takes it as an array. `save` stores it, and picture observable draws it.
 
     Attributes
     ----------
     states : States
         What was scanned.
     values : dict of arrays
-        The observables by name: that of the observable, of the function, or of what the function returned. What
-        an array has beyond the shape of the states belongs to each state.
+        The observables by name: that of the observable, of the function, or of what the function returned. If an
+        array has more axes than the states, these hold the several numbers of each state.
 
     Examples
     --------
@@ -131,8 +130,8 @@ def scan(
     ------
     InputError
         For an unknown name; if the function does not return one real number, or a row of them, for each
-        state; and where it names an array like a coordinate or the status. What the function itself raises passes
-        through.
+        state; and if it gives an array the name of a coordinate or of the status. Errors that the function itself
+        raises are passed on.
 
     Examples
     --------

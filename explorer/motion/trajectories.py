@@ -49,7 +49,7 @@ class Trajectories:
     ----------
     t : (n, nt) or (nt,) array
         Times. Without t_eval each motion has its own, `lengths` of them; the rest of its row repeats the end, in
-        all arrays, so that it can be drawn as it is. With t_eval: those.
+        all arrays, so that it can be drawn as it is. With t_eval, the times in it.
     phi : (n, nt) array or None
         Tilt (rad), -pi/2 to pi/2, 0 at the vertical.
     tilt : (n, nt) array or None
@@ -68,11 +68,12 @@ class Trajectories:
     constants_error : (3, n) array
         How far the constants moved: energy (relative), sigma3_bar and eta (natural units).
     error_estimate : (n,) array
-        Of the angles (rad) and of the path (r) at the end, whichever is larger. It follows from what was moved to
-        hold the constants, from how fast chi turns at the end, which inside a race makes much of a small error of
-        the time, and from what rounding does to a long path; of a path that this keeps from the accuracy asked it
-        says what can be had. Motions that may err by more than was asked are followed again by finer steps. Where
-        the constants show nothing, as with I3 = 0, in fast spins and after many periods, two runs are compared.
+        The larger of the errors of the angles (rad) and of the path (r) at the end. It is estimated from three
+        things: how far steps were moved to hold the constants; how fast chi turns at the end, since inside a race
+        a small error of the time is a large one of chi; and the rounding of a long path. If rounding keeps a path
+        from the accuracy asked, the estimate says which accuracy can be reached. Motions that may err by more than
+        was asked are followed again by finer steps. Where the constants show nothing, as with I3 = 0, in fast
+        spins and after many periods, two runs are compared.
     lengths : (n,) array of int
         How many times of its row each motion has; 0 where the status is not OK.
     t_end : float

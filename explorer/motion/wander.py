@@ -36,7 +36,7 @@ class Wander:
     chi : array
         Turn per period (rad).
     step : array of complex
-        a(tau) - a(0) as a1 + i a2, where chi(0) = 0.
+        Shift of the centre over the table, a(tau) - a(0), as the complex number a1 + i a2, for chi(0) = 0.
     radius : array
         Of the circle on which the centre lies after each period, |step|/(2 |sin(chi/2)|); infinite at a resonance.
     status : array of int8
@@ -126,7 +126,7 @@ def resonance(
     phidot : float
         At the vertical, units of the disk.
     turns : int
-        chi(tau) in turns.
+        By how many turns chi increases in one period tau.
     between : (float, float)
         Two values of sigma3_bar, units of the disk, with chi(tau) on different sides of the resonance.
 

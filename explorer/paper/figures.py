@@ -34,8 +34,8 @@ _BODY_WORDS = {"uniform": "the uniform disk", "hoop": "the hoop"}
 CHI0_FITS = (0.41, 0.57)  # rad: what the ticks of Fig. 7 leave, to the last digit
 
 INFERRED = (
-    f"The paper does not give χ(0). It is {CHI0:g} rad here; the ticks of its Fig. 7 allow {CHI0_FITS[0]:g} to "
-    f"{CHI0_FITS[1]:g}.",
+    f"The paper does not give χ(0), the direction of the contact point at the start. It is {CHI0:g} rad here; "
+    f"the ticks of its Fig. 7 allow {CHI0_FITS[0]:g} to {CHI0_FITS[1]:g}.",
     "Fig. 1: the length is described in the paper as somewhat more than three periods.",
     "Figs. 2, 4, 5: the right part shows the same window as Fig. 3, whose ticks are known.",
     "Figs. 6 to 9: the length is inferred from Fig. 7, whose ticks exclude 3.4 periods.",
@@ -136,32 +136,35 @@ class PaperFigure:
         own = same and eta_hat == ETA_HAT
         text = f"{'' if own else 'As '}Fig. {figure}. {text}"
         if own and figure >= 8:
-            text += " The paper prints 0.01 for both panels; the right one is −0.01."
-        return f"{text} Dotted: the one-sided limit of the same start."
+            text += " The paper prints 0.01 for both panels; for the panel on the right it is −0.01."
+        return f"{text} Dotted: the limit motion of the same side of F, from the same start."
 
 
 _OF_SIDES = "with η̂₊ = {eta} on the left and −{eta} on the right, on one scale"
 _CHI = (
-    "The angle χ(t) of {body} over {turns} periods, " + _OF_SIDES + ". In each near-fall it jumps by κπ, with "
-    "κ = {kappa}: up on one side of F, down on the other."
+    "The angle χ(t) of {body} over {turns} periods, " + _OF_SIDES + ". Each time the disk nearly falls, χ jumps "
+    "by κπ (κ = {kappa}): up on one side of F, down on the other."
 )
 _AXIS = (
-    "The horizontal projection of the axis v = A e₃ of {body} over {turns} periods, with η̂₊ = {signed}: all of it "
-    "on the left, the middle on the right. It starts on the equator, comes in to the origin, where the disk is "
-    "nearly flat, turns round it by κπ, with κ = {kappa}, and leaves; it is broken where v₃ < 0."
+    "The axis of {body}, the unit vector v = A e₃, projected onto the table, over {turns} periods, with "
+    "η̂₊ = {signed}. Left: the whole path. Right: its middle, enlarged. The path starts on the circle of radius 1, "
+    "where the disk is upright, and comes in to the origin, where it is nearly flat. There it turns by κπ "
+    "(κ = {kappa}) about the origin, and then it leaves. It is dashed where v₃ < 0."
 )
 _CENTRE = (
     "The path of the centre of mass of {body} seen from above, over {turns} periods, " + _OF_SIDES + ". At the "
-    "rings the disk is flattest and the centre nearly stands still; the sides of F leave in different directions."
+    "rings the disk is flattest, and the centre nearly stands still. On the two sides of F it leaves in different "
+    "directions."
 )
 _CONTACT = (
-    "The path of the point of contact of {body} seen from above, over {turns} periods, " + _OF_SIDES + ". Around "
-    "each ring, where the disk is flattest, it runs round a circle of the rim, one way or the other by side of F."
+    "The path of the contact point of {body} seen from above, over {turns} periods, " + _OF_SIDES + ". Rings mark "
+    "where the disk is flattest. There the contact point runs round a circle as large as the rim: one way on one "
+    "side of F, the other way on the other side."
 )
 _TITLES = {
-    "chi": r"In a fall $\chi$ turns by $\kappa\pi$, up or down by the side of $F$",
+    "chi": r"In each near-fall $\chi$ jumps by $\kappa\pi$, up or down",
     "axis": r"Nearly flat, the axis turns round the vertical by $\kappa\pi$",
-    "path": "The centre leaves a fall in a direction that depends on the side",
+    "path": "The centre leaves a near-fall differently on the two sides of $F$",
     "contact": "On the two sides of $F$ the contact point races opposite ways",
 }
 _UNIFORM, _HOOP = Disk.uniform(), Disk.hoop()

@@ -175,7 +175,8 @@ def figures_page() -> str:
         "",
         "Made by `nearflat paper`. Statements and their numbers: [statements.md](statements.md). Misprints, with",
         "the numbers that prove them: [misprints.md](misprints.md). Cushman & Duistermaat, *Nearly flat falling",
-        "motions of the rolling disk*, Regul. Chaotic Dyn. 11 (2006) 31-60. For another body, or closer to F:",
+        "motions of the rolling disk*, Regul. Chaotic Dyn. 11 (2006) 31-60. For another body, or closer",
+        "to the falling set F:",
         "`nearflat paper --figure 8 --disk annulus:0.4 --eta-hat 3e-3`.",
         "",
         "All motions start upright with σ₂ = σ₃ = 1, in units m = r = g = 1.",
@@ -229,7 +230,8 @@ def misprints_page(rows: Iterable[Row]) -> str:
         "",
         "Each is decided by a number that a statement of [statements.md](statements.md) compares: how far the "
         f"printed form is off and how far the right one. The first must be at least {FACTOR:g} times what the "
-        "second is allowed. Off by less than 1e-07: only what is allowed is shown.",
+        "second is allowed. Off by less than 1e-07: only what is allowed is shown. *Compared* names a quantity, "
+        "what it becomes if the printed formula is used, and the value that the right formula leads to.",
     ]
     head = ("where", "printed", "right", "statement", "compared", "printed is off by", "right is off by")
     none = ("none", "nothing", "", "")

@@ -100,7 +100,7 @@ def constraints() -> Iterator[Finding]:
 
     height, speed = worst(gaps)
     why = "relative tolerance 1e-12 over some hundred steps"
-    yield near(f"|a₃ − r cos φ|/r along the 8-dimensional motion: {OF_BODIES}", height, 0.0, 1e-10, why)
+    yield near(f"|a₃ − r cos φ|/r along motions in 8 dimensions: {OF_BODIES}", height, 0.0, 1e-10, why)
     text = "speed of the body point in contact: path of the explorer, differentiated; rotation by (2.12)"
     why = "a derivative of degree 39 multiplies the path's 1e-11 by less than 39²"
     yield near(text, speed, 0.0, 1e-8, why)
@@ -108,7 +108,7 @@ def constraints() -> Iterator[Finding]:
     z, angle = rng.uniform(-0.999, 0.999, 50), rng.uniform(0.0, 2.0 * np.pi, 50)
     others = np.sqrt(1.0 - z * z)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     jumps = largest(_jump(np.array([*u, height])) for u, height in zip(others, z, strict=True))
-    text = "jump of s(u), (2.9), within 1e-9 of 50 attitudes; as printed A e₃ = −e₃ is let in (radii)"
+    text = "jump of s(u) of (2.9) within 1e-9 of 50 attitudes, in radii; as printed, A e₃ = −e₃ is admitted too"
     yield at_most(text, jumps, 1e-6, "1e-9 over cos φ", {"2.2, 2.4": _jump(np.array([0.0, 0.0, -1.0]))})
 
 
@@ -146,7 +146,7 @@ def energy() -> Iterator[Finding]:
 
     relative = worst(lambda disk: constants_error(disk, tumble(disk)[0]))
     lifted = plain.integrate(_lifted(UNIFORM), sample(UNIFORM), tumble(UNIFORM)[0].t)
-    text = f"relative change of E along the 8-dimensional motion: {OF_BODIES}; as printed gravity pulls up"
+    text = f"relative change of E along motions in 8 dimensions: {OF_BODIES}; as printed, gravity pulls up"
     yield near(text, relative, 0.0, 1e-10, "rtol 1e-12", {"(2.12), last term": constants_error(UNIFORM, lifted)})
 
 
@@ -223,7 +223,7 @@ def reconstruction() -> Iterator[Finding]:
 
     found = [gaps(disk) for disk in WITH_UNITS]
     for name in found[0]:
-        text = f"{name}, the explorer against the 8-dimensional motion"
+        text = f"{name}, the explorer against the motion in 8 dimensions"
         yield near(text, largest(each[name] for each in found), 0.0, 1e-9, SOLVER)
 
 
@@ -241,7 +241,7 @@ def euler_angles() -> Iterator[Finding]:
     A, printed = (euler_rotation(chi, 0.5 * np.pi + sign * phi, psi) for sign in (-1.0, 1.0))
     v, u, why = spherical(phi, chi), spherical(phi, psi), "rounding of three rotations"
     apart, off = (distance(B[:, :, 2], v) for B in (A, printed))
-    text = "A e₃ less v of (2.30), 500 random angles; as printed with φ + π/2"
+    text = "A e₃ minus v of (2.30), at 500 random angles; as printed, with the rotation by φ + π/2"
     yield near(text, apart, 0.0, 2e-15, why, {"(2.32) and end of 3.4": off})
     yield near("A⁻¹ e₃ less u of (2.21), 500 random angles", distance(A[:, 2, :], u), 0.0, 2e-15, why)
 
@@ -249,7 +249,7 @@ def euler_angles() -> Iterator[Finding]:
         full, run = tumble(disk)
         return distance(euler_rotation(run.chi, 0.5 * np.pi - run.phi, run.psi), full.A)
 
-    yield near("A from the explorer's angles less A of the plain motion", worst(gap), 0.0, 1e-9, SOLVER)
+    yield near("A from the explorer's angles minus A of the motion in 8 dimensions", worst(gap), 0.0, 1e-9, SOLVER)
 
 
 def contact_from_normal(disk: Disk, v: Array, a: Array) -> Array:
@@ -272,7 +272,7 @@ def contact_point() -> Iterator[Finding]:
     second = contact_from_normal(disk, A[:, :, 2], a)
     printed = second + disk.r * np.outer(1.0 / q, [0.0, 0.0, 1.0])
     gap, off = (distance(first, other) / disk.r for other in (second, printed))
-    text = "(2.34) less (2.35), random rotations, in r; as printed without e₃"
+    text = "(2.34) minus (2.35), random rotations, in r; as printed, without e₃"
     why = "rounding over cos² φ, which is 0.002 at the least"
     yield near(text, gap, 0.0, 5e-13, why, {"(2.35)": off})
     yield near("height by (2.34) in r", distance(first[:, 2], 0.0) / disk.r, 0.0, 5e-13, why)

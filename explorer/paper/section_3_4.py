@@ -61,7 +61,7 @@ def chaplygin_equations() -> Iterator[Finding]:
         assert np.all(np.diff(z) > 0.0)  # one leg, so sigma_1 may be the variable
         return distance(_along(disk, z, np.array([s3[0], s4[0]])), [s3, s4]) / disk.rate_unit
 
-    text = f"(3.1) integrated in σ₁ less σ₃, σ₄ of the plain motion: {OF_BODIES}"
+    text = f"(3.1) integrated in σ₁, minus σ₃, σ₄ of the motion in 8 dimensions: {OF_BODIES}"
     yield near(text, worst(gap), 0.0, 1e-10, SOLVER)
     z, y = np.linspace(-0.3, 0.9, 13), np.array([0.7, -0.4])
     solution = _along(UNIFORM, z, y)
@@ -94,7 +94,7 @@ def constants_of_motion() -> Iterator[Finding]:
         return distance(columns, columns[:, :1]), distance(columns[:, 0], start)
 
     moved, apart = worst(errors)
-    text = f"constants error of the explorer along the plain motion: {OF_BODIES}"
+    text = f"constants error of the explorer along the motion in 8 dimensions: {OF_BODIES}"
     yield near(text, moved, 0.0, 1e-10, "rtol 1e-12 over some hundred steps")
     text = "the explorer's constants of a state less (3.1) integrated to σ₁ = 0"
     yield near(text, apart, 0.0, 1e-12, "rtol 1e-13 over some ten steps")
@@ -190,7 +190,7 @@ def periodic() -> Iterator[Finding]:
         return distance(sigma[1], sigma[0]) / max(1.0, disk.rate_unit), distance(phi, phi[::-1])
 
     later, mirrored = worst(gaps)
-    text = f"σ of the plain motion one period (3.13) later: {OF_BODIES}"
+    text = f"σ of the motion in 8 dimensions one period (3.13) later: {OF_BODIES}"
     yield near(text, later, 0.0, 1e-9, "rtol 1e-12, grown over one period")
     text = "φ(t₊ + s) − φ(t₊ − s) of the explorer's motion, t₊ from (2.15)–(2.18)"
     yield near(text, mirrored, 0.0, 1e-9, "accuracy 1e-11, time of the turn known to 1e-11")
@@ -254,7 +254,7 @@ def pendulum() -> Iterator[Finding]:
         yield near("the same less (3.12) by SciPy's quad", gap, 0.0, 1e-11, "accuracy 1e-11")
         full = plain.integrate(disk, (0.0, 1.0, 0.0, 0.0, 0.0, np.pi), np.linspace(0.0, times[1], 21))
         gap = abs(float(np.arcsin(full.u[-1, 2])) - 1.5)
-        text = f"φ of the plain motion at the time (3.12) for 1.5 rad, less 1.5, {disk.name}"
+        text = f"φ of the motion in 8 dimensions at the time (3.12) for 1.5 rad, minus 1.5, {disk.name}"
         yield near(text, gap, 0.0, 1e-9, "rtol 1e-12, 1/cos 1.5 = 14")
         yield from _resting(disk, full)
 
@@ -275,16 +275,16 @@ def _resting(disk: Disk, full: plain.PlainMotion) -> Iterator[Finding]:
     p = full.a + lever
     pairs = (p, p[0]), (full.contact, p[0]), (full.chi, 0.0), (full.psi, np.pi)
     gap = largest(distance(*pair) for pair in pairs)
-    yield near("change of p = rAe₁ + a, of χ and ψ along the plain motion", gap, 0.0, 1e-10, why)
+    yield near("change of p = rAe₁ + a, of χ and ψ along the motion in 8 dimensions", gap, 0.0, 1e-10, why)
     height, s1 = full.a[:, 2], full.u[:, 2]
     gap, off = distance(np.sqrt(1.0 - s1**2), height), distance(s1, height)
-    text = "r cos φ, where sin φ = σ₁ (as printed cos φ = σ₁), less the height a₃ of the plain motion (radii)"
+    text = "r cos φ with sin φ = σ₁ (as printed, with cos φ = σ₁) minus the height a₃ in 8 dimensions, in radii"
     yield near(text, gap, 0.0, 1e-10, why, {"3.4, substitution": off})
     gap, off = (distance(full.a[0] + sign * lever[0], full.contact) for sign in (1.0, -1.0))
-    text = "rA(0)e₁ + a(0), as printed −rA(0)e₁ + a(0), less the contact point of the plain motion (radii)"
+    text = "rA(0)e₁ + a(0) (as printed, −rA(0)e₁ + a(0)) minus the contact point in 8 dimensions, in radii"
     yield near(text, gap, 0.0, 1e-10, why, {"3.4, contact point": off})
     gap, off = (distance(sign * lever, full.a - full.contact[0]) for sign in (-1.0, 1.0))
-    text = "−rA(t)e₁, as printed rA(t)e₁, less a(t) with the contact point moved to 0 (radii)"
+    text = "−rA(t)e₁ (as printed, rA(t)e₁) minus a(t), where a is measured from the contact point, in radii"
     yield near(text, gap, 0.0, 1e-10, why, {"3.4, centre of mass": off})
 
 
@@ -347,7 +347,9 @@ def slope_of_potential() -> Iterator[Finding]:
         printed.append((derivative - scaled_slope(c, d, x, y, z, printed=True)) / W)
         M, unit = disk.I1 + disk.m * disk.r**2, disk.m * disk.g * disk.r
         forces.append((M * plain.tilting(disk, state) / (unit * np.cos(state[0])) + slope) / W)
-    text = "(4.10), CW, less a complex-step derivative of W, over W, 60 random states; as printed C lacks an x"
+    text = (
+        "(4.10): CW minus a complex-step derivative of W, divided by W, 60 random states; as printed, C lacks an x"
+    )
     off = {"4, vector field C": distance(printed, 0.0)}
     yield near(text, distance(derivatives, 0.0), 0.0, 1e-12, ROUNDING, off)
     text = "(4.10) less the force on φ by the plain equations, over W"

@@ -164,7 +164,7 @@ def wronskian() -> Iterator[Finding]:
         return distance(w, w[0]), distance(w[0], start), distance(w[0] / unit, 1.0)
 
     change, apart, ratio = worst(gaps)
-    text = f"change of w along the plain motion, r by (5.1): {OF_BODIES}"
+    text = f"change of w along the motion in 8 dimensions, r by (5.1): {OF_BODIES}"
     yield near(text, change, 0.0, 5e-10, "rtol 1e-12 over some hundred steps, times r′")
     text = "w less Y r(0) − X r′(0), X and Y by the explorer, r(0), r′(0) by (5.11), (5.12)"
     yield near(text, apart, 0.0, 1e-13, ROUNDING)

@@ -80,7 +80,10 @@ def _rest_of_the_barrier(disk: Disk, face: int, eta: float) -> Iterator[Finding]
     # sigma_4 = slope ln S + level: its square has this multiple of ln S, sigma_3^2/q^2 the other one.
     slope, level = np.polyfit(logs, sigma[1], 1)
     want = J * slope * level + c * eta**2 / (4.0 * disk.I1)
-    text = f"{where} growth with ln(1∓σ₁) of what is left of V, (6.7), over that by σ₄ and (3.8); as printed none"
+    text = (
+        f"{where} D is V minus the other terms of (6.7): its growth with ln(1∓σ₁), divided by the growth that "
+        "follows from σ₄ and (3.8); as printed, D does not grow"
+    )
     yield near(text, np.polyfit(logs, rest, 1)[0] / want, 1.0, 5e-3, "terms S ln²S", {"(6.7)": 0.0})
 
 
@@ -159,7 +162,7 @@ def potential_at_flat() -> Iterator[Finding]:
         for face in (1, -1):
             V = on_line(disk, face)
             other = potential(disk, [1e-3], rates_down(disk, 1.0, face * shot_slope(disk), -face, [1e-3]))[0]
-            text = f"{disk.name}, face {face:+d}: V(±π/2)/σ̄₃²; as printed V(∓π/2), here 1e-3 from it"
+            text = f"{disk.name}, face {face:+d}: V(±π/2)/σ̄₃²; as printed, V(∓π/2), taken 1e-3 from that angle"
             off = {"Lemma 4, proof": other}
             yield near(text, float(V(0.0)), flat_potential(disk), 1e-11, _FIT, off)
         rate = float(np.polyfit(np.arange(14), np.log(abs(V.coef[2:16])), 1)[0])

@@ -38,7 +38,7 @@ def approach(tau: Array, values: Any) -> float:
     return exponent(tau[-5:], np.linalg.norm(away, axis=1))
 
 
-_LIMIT = "8-dimensional motion at 1e-12, extrapolated from t* − t ≥ 0.01"
+_LIMIT = "motion in 8 dimensions at 1e-12, extrapolated from t* − t ≥ 0.01"
 _RATE = "the next power of t* − t, 0.01 to 0.1 here"
 _CASES = [(disk, face, f"{disk.name}, face {face:+d}:") for disk in (UNIFORM, HOOP, THICK) for face in (1, -1)]
 

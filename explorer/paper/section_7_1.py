@@ -130,11 +130,11 @@ def _forces_near_flat(disk: Disk, run: Passage) -> Iterator[Finding]:
     M, step = disk.I1 + 1.0, 1e-3 * run.theta_min / run.A
     speeding = np.diff(run.at(run.middle + np.array([-step, step]))[1])[0] / (2.0 * step)
     push = float(M * speeding * disk.I1 * run.theta_min**3 / run.eta**2)
-    text = f"{disk.name}: ±V′ over η²/I₁cos³φ at θ_m, (7.6); as printed cos³φ is a factor"
+    text = f"{disk.name}: ±V′ divided by η²/(I₁cos³φ) at θ_m, (7.6); as printed, cos³φ is a factor and no divisor"
     yield near(text, push, 1.0, 1e-3, _LOG, {"(7.6)": push / run.theta_min**6})
     tilt, rate = run.at(run.middle - 100.0 * run.theta_min / run.A)[:2]
     other = potential(disk, [tilt], rates_down(disk, 1.0, shot_slope(disk), -1, [tilt]))[0]
-    text = f"{disk.name}: E − Mφ̇²/2 at 100 θ_m/A before the race on face +1: V_q(+1), as printed V_q(−1)"
+    text = f"{disk.name}: E − Mφ̇²/2 at the time 100 θ_m/A before the race on face +1; as printed, it is V_q(−1)"
     why = "it is not yet flat: a tilt of 1e-3"
     yield near(text, run.energy - 0.5 * M * rate**2, run.V0, 5e-3, why, {"Lemma 5, proof": other})
 
@@ -193,7 +193,7 @@ def rates_of_the_race() -> Iterator[Finding]:
             ratio = turn * disk.I1 * np.sin(run.at(times)[0]) ** 2 / run.eta
             away.append(max(abs(ratio[0] - 1.0).max(), abs(face * ratio[1] - 1.0).max()))
         text, why = (
-            f"{where} χ̇I₁cos²φ/η and ±ψ̇I₁cos²φ/η at θ_m to 3 θ_m, from 1",
+            f"{where} how much χ̇I₁cos²φ/η and ±ψ̇I₁cos²φ/η differ from 1 at tilts from θ_m to 3 θ_m",
             "η ln(1/η) and tilt²/η; for ψ also σ₄η",
         )
         swapped = abs(np.array([face * ratio[0], ratio[1]]) - 1.0).max()

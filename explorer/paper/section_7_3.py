@@ -124,7 +124,7 @@ def _where_lemma_7_holds() -> Iterator[Finding]:
     times = flat - np.geomspace(2e-2, 2e-3, 20)
     phi, sigma4 = (row[0] for row in observed(UNIFORM, beside_the_line(UNIFORM, 1e-8), times, "phi", "sigma4"))
     s1 = np.sin(phi[abs(sigma4 - flat_spin(UNIFORM)) < 1e-2])
-    text = "uniform, η̂ = 1e-8, falling to face +1, σ₄ within 0.01 of (7.20): 1 − σ₁ is small; as printed 1 + σ₁"
+    text = "uniform, η̂ = 1e-8, falling to face +1: 1 − σ₁ where σ₄ is within 0.01 of (7.20); as printed, 1 + σ₁"
     off, why = {"Lemma 7, proof": np.min(1.0 + s1)}, "far above |ε| = 1e-8, far below 1"
     yield at_most(text, np.max(1.0 - s1), 1e-2, why, off)
 
@@ -272,7 +272,10 @@ def speed_of_the_contact_point() -> Iterator[Finding]:
         motion = plain.integrate(disk, upright(disk, 1e-3, face), times)
         arm = motion.contact - motion.a
         angle = np.exp(1j * (np.arctan2(arm[:, 1], arm[:, 0]) - motion.chi))
-        what = f"{disk.name}, face {face:+d}: e^i(angle of p − a) e^−iχ in 8 dimensions, off ±1; as printed −1"
+        what = (
+            f"{disk.name}, face {face:+d}: distance of e^i(angle of p − a) e^−iχ from ±1, in 8 dimensions; as "
+            "printed, its distance from −1"
+        )
         off = {"7.3, angle of p − a": float(abs(angle + 1.0).min())} if face > 0 else {}
         yield near(what, float(abs(angle - face).max()), 0.0, 1e-8, "1e-12 in A over the tilt, 7e-4", off)
 

@@ -68,7 +68,7 @@ COLUMNS = {
     ),
     "side": Column("Sign of eta on `face`: the side of the falling set on which the motion is.", kind=SIGN),
     "distance": Column(
-        "Of a state: signed distance of its (sigma3_bar, sigma4_bar) to the nearer line l_+-. In one-sided "
+        "Of a state: signed distance of its (sigma3_bar, sigma4_bar) to the nearer of l_+ and l_-. In one-sided: "
         "the largest of the distances to the limit motion, in natural units.",
         RATE,
         "(6.2)",
@@ -76,13 +76,13 @@ COLUMNS = {
     "distance_plus": Column("Signed distance of (sigma3_bar, sigma4_bar) to the line l_+.", RATE, "(6.2)"),
     "distance_minus": Column("Signed distance of (sigma3_bar, sigma4_bar) to the line l_-.", RATE, "(6.2)"),
     "could_fall": Column("Whether the disk would fall if eta were exactly 0.", NUMBER, "section 6.2", kind=TRUTH),
-    "could_fall_plus": Column("Whether it would fall on face +1 if eta there were exactly 0.", kind=TRUTH),
-    "could_fall_minus": Column("Whether it would fall on face -1 if eta there were exactly 0.", kind=TRUTH),
-    "on_f": Column("Whether the state lies on the falling set to rounding.", kind=TRUTH),
+    "could_fall_plus": Column("Whether the disk would fall on face +1 if eta_plus were exactly 0.", kind=TRUTH),
+    "could_fall_minus": Column("Whether the disk would fall on face -1 if eta_minus were exactly 0.", kind=TRUTH),
+    "on_f": Column("Whether the state lies on the falling set, apart from rounding errors.", kind=TRUTH),
     # a passage near flat
     "race_angle": Column("delta_chi minus fall_angle; its limit is side times kappa pi.", ANGLE, "(7.9)"),
     "fall_angle": Column(
-        "Turn of chi along the limit motion with the same sigma3_bar and energy, over the same stretch.",
+        "Turn of chi without the race: along the falling motion with this sigma3_bar and energy.",
         ANGLE,
         "section 7.1",
     ),
@@ -136,7 +136,10 @@ COLUMNS = {
     "distance_path": Column("Largest distance of the centre from that of the limit motion.", LENGTH),
     "distance_contact": Column("Largest distance of the contact point from that of the limit motion.", LENGTH),
     "chi_between": Column("chi half-way between the first two impacts.", ANGLE),
-    "piece": Column("Index of the connected piece of the level curve, all states of one energy.", kind=COUNT),
+    "piece": Column(
+        "Index of the connected piece of the level curve, which is the set of all states of one energy.",
+        kind=COUNT,
+    ),
     "falls": Column("Whether motions on this piece fall flat.", kind=TRUTH),
     "row": Column("Row of the given states, counted from 0.", kind=COUNT),
     "bounce": Column("Number of the approach to flat since the given state, counted from 0.", kind=COUNT),

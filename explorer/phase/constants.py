@@ -15,7 +15,7 @@ from explorer.phase.states import Array, States, require_states
 class Constants(Result):
     """Constants of motion in the units of the disk, arrays of the states' shape: what `constants` returns.
 
-    All is NaN for a state that is none, and status says so.
+    For bad input all is NaN, and status says so.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class Constants(Result):
         Signed distance of (sigma3_bar, sigma4_bar) from the lines ``l_+`` and ``l_-``, measured along sigma4_bar,
         units of the disk, eq. (6.2); NaN where I3 = 0.
     eta_plus, eta_minus : array
-        The same times I3 r(0).
+        eta_hat_plus and eta_hat_minus, multiplied by I3 r(0).
     energy : array
         Energy, eq. (2.19).
     status : array of int8
@@ -90,7 +90,7 @@ def constants(states: States) -> Constants:
 
     Notes
     -----
-    Eqs (3.5), (6.2) and (2.19) of the paper, to full relative accuracy near both flat states. So near flat phi
+    Eqs (3.5), (6.2) and (2.19) of the paper, to full relative accuracy near both flat states. Very near flat, phi
     itself has too few digits: give such states by `theta_to_states`.
 
     Examples

@@ -45,11 +45,12 @@ def rates_to_states(
     tilt : array_like
         Angle between the disk's plane and the table (rad): 0 is flat, pi/2 is upright.
     tilt_rate, precession : array_like
-        Rates (units of the disk) of the tilt, positive where the disk rises, and at which the contact point turns
-        about the vertical. A rate that is left out is 0.
+        Rates (units of the disk): that of the tilt, positive where the disk rises, and that at which the contact
+        point turns about the vertical. A rate that is left out is 0.
     spin : array_like
-        Angular velocity about the disk's own axis (units of the disk), as a gyroscope on the disk would read it. A
-        disk that keeps the same point on the table has face * precession * cos(tilt).
+        Angular velocity about the disk's own axis (units of the disk), as a gyroscope on the disk would read it.
+        It is face * precession * cos(tilt) for a disk that touches the table with the same point of its rim all
+        the time.
     face : array_like of +1 or -1
         Which face would come down: +1 for flat at phi = +pi/2, -1 for flat at phi = -pi/2.
     degrees : bool
@@ -144,15 +145,14 @@ def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
     disk : Disk
         The disk.
     **coordinates
-        Three to five arrays, which broadcast: one for the tilt, one for its rate and two for the spins, all rates
-        in the units of the disk.
-        phi : angle to the vertical (rad), 0 if left out; with phidot : its rate, or with energy : from which
-        phidot >= 0 follows. Or theta : with thetadot : both as for `theta_to_states`; or tilt : with
-        tilt_rate : both as for `rates_to_states`, the latter 0 if left out.
-        sigma3 : with sigma4 : of eq. (2.14). Beside phi also constants of motion, sigma3_bar : with
-        sigma4_bar : or with eta_hat : of eqs (3.5), (6.2). Beside tilt instead precession : with spin : as for
+        Three to five arrays, which broadcast; all rates are in the units of the disk.
+        The tilt and its rate: phi, the angle to the vertical (rad, 0 if left out), with its rate phidot or with
+        energy, from which phidot >= 0 follows; or theta with thetadot, as for `theta_to_states`; or tilt with
+        tilt_rate (0 if left out), as for `rates_to_states`.
+        The spins: sigma3 with sigma4, of eq. (2.14). With phi they may also be constants of motion, sigma3_bar
+        with sigma4_bar or with eta_hat, of eqs (3.5), (6.2); with tilt they are precession with spin, as for
         `rates_to_states`.
-        face : +1 or -1, to which theta, tilt or eta_hat refers; +1 if left out.
+        The face, +1 or -1, to which theta, tilt or eta_hat refers; +1 if left out.
 
     Returns
     -------

@@ -37,8 +37,10 @@ UNITS = {
     "m": (1.0, ("r",)),
 }
 SYNTAX = (
-    f"{', '.join(PRESETS)} or annulus:INNER_OVER_OUTER, each also as uniform:m=..,r=..,g=..; FILE.toml; or "
-    f'"m=..,r=..,g=..,I1=..,I3=..". A number may have a unit ({", ".join(UNITS)}), as in '
+    f"{', '.join(PRESETS)} (whose limit motions on the two sides of F agree) or annulus:INNER_OVER_OUTER, each "
+    "with its numbers if you like, as in uniform:m=..,r=..,g=..; FILE.toml; or "
+    '"m=..,r=..,g=..,I1=..,I3=..", where I3=flat means 2 I1. '
+    f"A number may have a unit ({', '.join(UNITS)}), as in "
     '"m=20g,r=5cm,I1=150 g cm^2,I3=flat"; g is then 9.81 m/s^2 if left out'
 )
 # I3 may exceed 2 I1 by rounding of doubles.
@@ -86,7 +88,7 @@ class Disk:
         Gravity (m/s^2).
     I1, I3 : float, optional
         Transverse and axial moment of inertia (kg m^2), 0 <= I3 <= 2 I1 by eq. (2.3). I1 is by default that of a
-        uniform disk, m r^2/4, and I3 that of a flat body, 2 I1, as "flat" is.
+        uniform disk, m r^2/4, and I3 that of a flat body, 2 I1; "flat" means the same.
     name : str
         Used in the names of folders, in pictures and in tables.
 
@@ -173,7 +175,7 @@ class Disk:
 
     @classmethod
     def annulus(cls, inner: float, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
-        """A flat uniform ring; inner is its inner over its outer radius, 0 (disk) to 1 (hoop).
+        """A flat uniform ring; inner is the ratio of its inner radius to its outer one, 0 (disk) to 1 (hoop).
 
         Examples
         --------

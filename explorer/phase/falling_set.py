@@ -32,8 +32,8 @@ class Falls(Result):
     Attributes
     ----------
     face : array of int8
-        Flat state whose line l_+- is nearer, +1 or -1. Where both are equally near it is +1, and of a state on
-        both lines the one to which it falls.
+        Flat state whose line l_+- is nearer, +1 or -1. Where both are equally near it is +1, but for a state on
+        both lines it is the face on which the disk falls.
     distance : array
         Signed distance of (sigma3_bar, sigma4_bar) from that line, units of the disk. Its sign is that of
         eta, the direction in which the contact point races.

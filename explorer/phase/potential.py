@@ -389,11 +389,13 @@ def potential(
     sigma3_bar : float
         Constant of motion, units of the disk.
     eta_hat : float, optional
-        Signed distance to the line of `face`, on which the disk falls, units of the disk; on it by default.
+        Signed distance to the line of `face`, on which the disk falls, units of the disk; by default 0, on the
+        line.
     face : int
         +1 for the line l₊, -1 for l₋.
     sigma4_bar : float, optional
-        The other constant of motion, instead of eta_hat and face; within rounding of a line counts as on it.
+        The other constant of motion, instead of eta_hat and face; a value within rounding of a line counts as on
+        it.
 
     Returns
     -------

@@ -80,8 +80,9 @@ def steady_motions(
     Returns
     -------
     SteadyMotions
-        One for each pair: the equation for the spin is linear. An upright disk that precesses spins in place.
-        Without precession only the upright disk is steady, and rolls straight at any spin: that is BAD_INPUT.
+        One for each pair: the equation for the spin is linear. An upright disk with precession turns on the spot.
+        Without precession only the upright disk is steady, and rolls straight at any spin; the status is then
+        BAD_INPUT.
 
     Raises
     ------

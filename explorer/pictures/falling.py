@@ -29,7 +29,7 @@ _FEWEST = 100  # samples that a guide of slope one is drawn through
 def constants_plane(ax: Axes, samples: States | ConstantsPlane, cells: int = 100, method: str = "auto") -> None:
     """Draw the flattest motion among states in each cell of the plane of constants, and both lines l_+-.
 
-    cells: a side of the plane, which holds 99.5 % of the states in each direction. method: as for
+    cells: how many along a side of the plane, which holds 99.5 % of the states in each direction. method: as for
     `explorer.passages`.
     """
     plane = samples if isinstance(samples, ConstantsPlane) else flattest_per_cell(samples, cells, method)
@@ -55,14 +55,14 @@ def constants_plane(ax: Axes, samples: States | ConstantsPlane, cells: int = 100
 @picture(
     Question.HOW_RARELY,
     "The share of samples that come flatter than δ; the band is the 95 % uncertainty of the counts. It decreases "
-    "in proportion to δ, as the dashed line does: F has codimension one, so nearly falling flat is rare, and "
-    "falling flat has probability zero.",
+    "in proportion to δ, as the dashed line does, because F has just one dimension less than the space of states "
+    "(codimension one). So nearly falling flat is rare, and falling flat has probability zero.",
 )
 def theta_min(ax: Axes, theta: LogHistogram | ArrayLike, samples: int | None = None) -> None:
-    """Draw the share of samples that come flatter than delta, and a guide of slope one: codimension one.
+    """Draw the share of samples that come flatter than delta, and a line of slope one, as for codimension one.
 
-    theta: smallest tilts (rad), of `explorer.periods` for instance, or counts of them. samples: how many there
-    are with those whose tilt is not known; by default as many as there are tilts.
+    theta: smallest tilts (rad), of `explorer.periods` for instance, or counts of them. samples: the number
+    of all samples, including those whose tilt is not known; by default the number of tilts.
     """
     counts = (theta if isinstance(theta, LogHistogram) else _counted(theta)).row()
     samples = samples if samples is not None else counts.total

@@ -96,9 +96,9 @@ def _points(ax: Axes, rows: list[Any], **look: Any) -> None:
 
 @picture(
     Question.HOW_RARELY,
-    "The constant C from the first N draws, relative to the one from quadrature. It settles on zero as fast "
-    "as counting allows, which is the grey wedge. Each point holds the draws of those before, so neighbours err "
-    "together.",
+    "How far the constant C of the law P = Cδ, estimated from the first N draws, is from the C that quadrature "
+    "gives. The relative difference goes to zero as fast as counting allows, the grey wedge. Each point includes "
+    "the draws of all points before it, so neighbouring points err together.",
 )
 def constant_convergence(ax: Axes, summary: dict[str, Any]) -> None:
     """Draw how the estimate of C converges with the number of draws, beside the prediction."""
@@ -122,8 +122,9 @@ def constant_convergence(ax: Axes, summary: dict[str, Any]) -> None:
 
 @picture(
     Question.HOW_RARELY,
-    "The density of the smallest tilt among the draws that come flatter than δ, against the even one that the law "
-    "Cδ says. The axis shows a percent or so on either side of 1: what is left is the noise of counting.",
+    "The density of the smallest tilt among the draws that come flatter than δ, beside the uniform density that "
+    "the law Cδ predicts. The axis shows only a percent or so on either side of 1: the differences that can "
+    "still be seen are the noise of counting.",
 )
 def tilt_density(ax: Axes, summary: dict[str, Any]) -> None:
     """Draw theta_min / delta of the hits beside the constant density that the law predicts."""

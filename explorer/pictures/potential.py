@@ -193,7 +193,8 @@ def _name(potential: Potential) -> str:
 def portrait_of_sides(figure: Figure, potential: Potential, energies: tuple[float, float] | None = None) -> None:
     """Draw levels of the energy on both sides of F, in the plane of the tilt and in that of the race, eq. (7.6).
 
-    potential: from `explorer.potential`, beside the line; the other side is its mirror image in eta_hat.
+    potential: from `explorer.potential`, beside a line l_+-, on one side; the other side is its mirror image, with
+    -eta_hat.
     """
     if potential.eta == 0.0:
         raise InputError(
@@ -260,15 +261,17 @@ def _curves(places: dict[str, Potential]) -> list[tuple[str, tuple[Any, ...]]]:
 
 @picture(
     Question.WHICH_MOTIONS,
-    "The amended potential on the line of the falling motions and beside it. On the line it ends at a finite "
-    "value at flat; beside the line a wall rises there, η²/(2I₁θ²) at a tilt θ from flat.",
+    "The amended potential, in which the tilt moves like a particle, on the line of the falling motions and "
+    "beside it. On the line, its value at flat is finite; beside the line, it rises towards flat like a wall, as "
+    "η²/(2I₁θ²) at a tilt θ from flat.",
     group="phase",
     portraits=lambda asked: _curves(asked.places()),
 )
 def potentials(ax: Axes, several: Sequence[Potential], near_flat: bool = False) -> None:
     """Draw V, eqs (3.8) and (6.9), of several potentials of one disk and one sigma3_bar, with its equilibria.
 
-    near_flat: over the tilt from the flat state of their face, on a logarithmic axis, where the wall rises.
+    near_flat: draw them against the tilt from the flat state of their face, on a logarithmic axis, which shows
+    how the wall rises.
     """
     disk = several[0].disk
     top = max(float(each.V(0.0)) for each in several) + (0.2 if near_flat else 0.6) * disk.energy_unit

@@ -23,10 +23,10 @@ _TALLEST = 0.46  # of the distance between two ridges
 
 @picture(
     Question.HOW_FAR,
-    "Above, the race angles of all passages on one plain axis: whatever the start, the contact point races by +κπ "
-    "on one side of F, blue, and by −κπ on the other, vermilion. Below, how far they are from that, on a "
-    "logarithmic axis, one ridge for each decade of |η̂|, the sides back to back: ten times closer to F they are "
-    "some ten times closer to ±κπ.",
+    "Above, the race angles of all passages on one plain axis: whatever the start, the contact point races by "
+    "+κπ on one side of F, blue, and by −κπ on the other, vermilion. Below, on a logarithmic axis, how far the "
+    "angles are from ±κπ, with one ridge for each decade of |η̂| and the two sides of F back to back. Ten times "
+    "closer to F, the angles are some ten times closer to ±κπ.",
     (SIZE[0], 6.4),
 )
 def race_histogram(
@@ -134,9 +134,10 @@ def _angles(ax: Axes, found: Mapping[str, Any]) -> None:
 @picture(
     Question.HOW_FAR,
     "How far race angles are from ±κπ against the distance from F. Half of the passages lie below the lower "
-    "line, nine tenths below the upper one, and both fall about as steeply as the law, the dashed line. A single "
-    "passage deviates from the law by |η| times a factor that differs between passages. All are divided by K = "
-    "2mgr/(I₁MA³) of their passage, in which A is the speed at impact and M is I₁ + mr².",
+    "line, nine tenths below the upper one, and both fall about as steeply as the law |η| ln(1/|η|), the dashed "
+    "line. The deviation of a single passage differs from the law by |η| times a factor, which is not the same "
+    "for all passages. Each deviation is divided by K = 2mgr/(I₁MA³) of its passage, where A is the speed at "
+    "impact and M is I₁ + mr².",
 )
 def race_deviation(ax: Axes, races: Mapping[str, Any] | Passages | Bounces | list[dict[str, Any]]) -> None:
     """Draw how far race angles are from +-kappa pi, divided by K, with the law |eta| ln(1/|eta|).

@@ -65,9 +65,9 @@ def colour_tilt(ax: Axes, x: Array, y: Array, theta: Array, method: str) -> None
 @picture(
     Question.FROM_WHERE,
     "How flat the disk comes, for every start in a plane of the phase space. The bright valleys are the falling "
-    "set F, and the dashed lines on them are F as the algebra gives it. Where the colour changes abruptly, the "
-    "motion belongs to another valley (well) of the potential: F ends there, and thin lines go on where η is 0 "
-    "and the disk does not fall.",
+    "set F, and the lines drawn on them are F as the algebra gives it. Beyond an abrupt change of colour, the "
+    "motions belong to another well of the potential in which the tilt moves. F ends there; the thin lines that "
+    "continue it show where η is 0 although the disk does not fall.",
 )
 def slice_of_tilts(ax: Axes, cut: SliceMap) -> None:
     """Draw theta_min on what `explorer.slice_map` returned, and the exact falling set over it.
@@ -127,8 +127,9 @@ def _zero_line(ax: Axes, cut: SliceMap, values: Array, style: object, width: flo
     Question.FROM_WHERE,
     "Which way the contact point races, for every start in a plane of the phase space: blue on one side of F, "
     "vermilion on the other. The flatter the disk comes, the stronger is the colour. F is where the strong "
-    "colours meet. Hatched motions come near flat too, but would not fall at η = 0 with the same φ, σ̄₃ and "
-    "energy. Where a colour changes abruptly, the motion belongs to another valley (well) of the potential.",
+    "colours meet. In hatched regions the disk would not fall even from a state with η = 0 that has the same φ, "
+    "σ̄₃ (a constant of motion) and energy. Beyond an abrupt change of colour, the motions belong to another "
+    "well of the potential in which the tilt moves.",
     group="slices",
     portraits=lambda asked: (
         (f"slice-{number}", (slice_map(asked.disk, where),))
@@ -138,8 +139,9 @@ def _zero_line(ax: Axes, cut: SliceMap, values: Array, style: object, width: flo
 def slice_of_sides(ax: Axes, cut: SliceMap) -> None:
     """Draw to which side the contact point races and how flat the disk comes, of `explorer.slice_map`.
 
-    Blue where eta > 0 on the nearer face, vermilion where eta < 0, the stronger the smaller theta_min; hatched
-    where the disk would not fall on that face if eta were exactly 0 at the same phi, sigma3_bar and energy.
+    Blue where eta > 0 on the nearer face, vermilion where eta < 0; the smaller theta_min, the stronger the colour.
+    Hatched where the disk would not fall on that face if eta were exactly 0 at the same phi, sigma3_bar and
+    energy.
     """
     signed = signed_tilt(cut)
     mesh = ax.pcolormesh(cut.x, cut.y, signed, cmap=_BOTH_SIDES, vmin=-1.0, vmax=1.0, rasterized=True)
@@ -193,8 +195,8 @@ def _name_sides(ax: Axes, cut: SliceMap, signed: Array) -> None:
 
 @picture(
     Question.FROM_WHERE,
-    "An observable of the user's own over a plane of the phase space, or over the states that were scanned. "
-    "On a plane the broken lines are the falling set F as the algebra gives it.",
+    "An observable of the user's own over a plane of the phase space, or over the states that were scanned. On a "
+    "plane the dashed lines are the falling set F as the algebra gives it.",
 )
 def observable(ax: Axes, found: SliceMap | Scan, name: str | None = None) -> None:
     """Draw an observable of `explorer.slice_map` or `explorer.scan`, in colour or as a line.

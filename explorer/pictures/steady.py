@@ -75,13 +75,15 @@ def steady_plane(ax: Axes, disk: Disk) -> None:
 @picture(
     Question.WHICH_MOTIONS,
     "Circular rolling by lean and precession: where it is stable, and where it is not. Along each line the disk "
-    "rolls on circles of the same radius. Slow rolling in the unstable tongue falls over.",
+    "rolls on circles of the same radius. In the dark tongue, where the precession is slow, rolling is unstable, "
+    "and the disk falls over.",
     group="phase",
 )
 def steady_map(ax: Axes, disk: Disk) -> None:
     """Draw circular rolling over lean and precession: which motions are stable, and the radii of their circles.
 
-    At lean 0 stands spinning upright, stable above its threshold; straight rolling is the corner.
+    Spinning upright is at lean 0, and is stable above its threshold; straight rolling is the corner where lean and
+    precession are 0.
     """
     unit = disk.rate_unit
     lean, precession = np.linspace(1e-3, HALF_PI - 1e-3, 241), np.linspace(0.02, 3.2, 321) * unit

@@ -114,7 +114,7 @@ class Run:
 
     @property
     def chunks(self) -> list[store.Chunk]:
-        """Those that are there, and files that may be some."""
+        """The chunks that are there, and files that may be chunks."""
         return list(self._held) if self.folder is None else store.chunks_in(self.folder)
 
     def complete(self) -> list[store.Chunk]:
@@ -309,7 +309,7 @@ class Run:
         return [fault for part in self.parts for fault in part._faults()]
 
     def changed(self) -> list[str]:
-        """What computed the run and is other now, a sentence each: it cannot be resumed then, but be read.
+        """What has changed since the run was computed, one sentence each: such a run can be read, but not resumed.
 
         Examples
         --------
@@ -394,8 +394,8 @@ def open(folder: Path | str) -> Run:
     Raises
     ------
     InputError
-        If there is no run, or one of another version. If its scene is not known here, as soon as that is
-        needed.
+        If there is no run, or one of another version. If its scene is not known here, the error comes only when
+        the scene is needed.
 
     Examples
     --------

@@ -51,7 +51,7 @@ class Settings(Options):
     jobs: int = option(whole_from(1, MOST_JOBS), "number of workers; results do not depend on it", default=2)
     backend: str = option(word_of("threads", "processes", "dask"), "kind of workers", default="threads")
     scheduler: str | None = option(
-        TEXT._replace(metavar="ADDRESS"), "address of a dask scheduler", words="the run starts its own"
+        TEXT._replace(metavar="ADDRESS"), "address of a dask scheduler", words="one that the run starts"
     )
     figures: bool = option(TRUTH, "draw pictures into the folder", default=True)
     format: tuple[str, ...] | None = option(

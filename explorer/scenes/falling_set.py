@@ -68,7 +68,7 @@ class FallingSet(FromStates):
     theta_min: str = option(
         word_of(*NEAR),
         "for which states to compute theta_min: all, near (those near the falling set), or none",
-        words=f"all; near above {MOST_THETA_MIN:.0e} samples",
+        words=f"all; above {MOST_THETA_MIN:.0e} samples, near",
         follows=lambda self, given: given or ("near" if self.samples > MOST_THETA_MIN else "all"),
     )
     slice: tuple[Slice, ...] = option(
@@ -93,8 +93,9 @@ class FallingSet(FromStates):
     columns_of_given = ("row",)
     bytes_per_sample = 300
     says = (
-        "{valid_states:,} states of {samples:,} samples, {falls:,} exactly on the falling set",
-        "would fall if eta were exactly 0: {could_fall_fraction:.1%} "
+        "{valid_states:,} of {samples:,} samples are states of the disk, {falls:,} of them exactly on the "
+        "falling set",
+        "would fall if eta, their distance from the falling set, were exactly 0: {could_fall_fraction:.1%} "
         "(95 % interval {could_fall_interval_95[0]:.1%} to {could_fall_interval_95[1]:.1%})",
         "tilt at the flattest moment of {theta_min_of}: median {theta_min_quantiles[0.5]:.3g} rad, "
         "smallest {smallest:.3g} rad",

@@ -78,15 +78,15 @@ class RaceAngles(FromStates):
 
     box: Any = option(
         RANGES,
-        f"with --start near: {BOX_NEAR_F}; with --start anywhere: as in falling-set",
-        words="these numbers, in natural units",
+        f"with --start near, {BOX_NEAR_F}; with --start anywhere, as in falling-set",
+        words="the numbers of the example, in natural units",
         follows=lambda self, given: self.box_of(given),
     )
     start: str = option(
         word_of("near", "anywhere"),
         "near: upright, near the falling set; anywhere: in all of the phase space, random or given, and followed "
         "to the next approaches to flat",
-        words="near; anywhere with states, gaussian, density, or a box of more than phidot and sigma3",
+        words="near; anywhere if states, gaussian or (in Python) density are given, or a box of more than these",
         follows=lambda self, given: "near" if isinstance(self, NearF) else "anywhere",
     )
     eta_hat: Range | None = option(
@@ -96,7 +96,9 @@ class RaceAngles(FromStates):
         follows=lambda self, given: self.eta_hat_of(given),
     )
     bounces: int = option(
-        whole_from(1, MOST), "approaches to flat to follow from each state; one with --start near", default=1
+        whole_from(1, MOST),
+        "how many approaches to flat are followed from each state; with --start near, one",
+        default=1,
     )
 
     name = "race-angles"

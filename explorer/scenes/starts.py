@@ -28,9 +28,10 @@ class FromDensity(SampledScene):
 
     box: Box | ChartBox = option(
         RANGES,
-        'ranges of uniform random states, in the units of the disk: "phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2", '
-        "or, except in measure-zero, of tilt, tilt_rate, precession and spin",
-        words="these numbers, in natural units",
+        "ranges of uniform random states, in the units of the disk, as in "
+        '"phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2"; '
+        "or ranges of tilt, tilt_rate, precession and spin, but not in measure-zero",
+        words="the numbers of the example, in natural units",
         follows=lambda self, given: self.box_of(given),
     )
     energy: Range | None = option(
@@ -187,8 +188,8 @@ class FromStates(FromDensity):
 # vertical stands for draws anywhere along the motion.
 
 BOX_NEAR_F = (
-    "ranges of upright starts: phidot, the speed towards flat, and sigma3, in the units of the disk, as in "
-    '"phidot=0.5:2,sigma3=-2:2"'
+    'ranges of upright starts, in the units of the disk, as in "phidot=0.5:2,sigma3=-2:2", where phidot is the '
+    "speed towards flat"
 )
 ETA_HAT = "distance |eta_hat| from the falling set, on both sides, in the units of the disk"
 

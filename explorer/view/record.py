@@ -31,8 +31,9 @@ CAPTIONS = {
     "hero": Caption(
         Question.HAPPENS,
         "A disk falls (thin outlines) and lies almost flat (gold). From two starts that hardly differ, its "
-        "contact point races round the rim, one way (blue) or the other (vermilion), by κπ, and the disk rises in "
-        "one of two places. Here κ is 2.5, and they are opposite.",
+        "contact point races round the rim, one way (blue) or the other (vermilion), by κ half turns, and the "
+        "disk rises in one of two places. κ depends on how the mass is distributed; here it is 2.5, and the two "
+        "places are opposite.",
     ),
     "film": Caption(
         Question.HAPPENS,

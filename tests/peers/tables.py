@@ -122,7 +122,8 @@ def loop_in_words():
     if cpp.compiler() is None:
         return f"C++: {cpp.NO_COMPILER}."
     return (
-        "C++: `tests/peers/fixed_steps.cpp`, the same tableaux and field in lanes, compiled with"
+        "C++: `tests/peers/fixed_steps.cpp` has our Runge-Kutta coefficients and our equations, for several"
+        " motions side by side (in lanes). It is compiled with"
         f" `{' '.join(cpp.options(False)[1:])}` (strict: its steps give the same bits as ours) or"
         " `-ffp-contract=fast`. It locates no events and keeps no constants of motion: it gets the s at which"
         " each motion ends."

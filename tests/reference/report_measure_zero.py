@@ -58,10 +58,12 @@ def main():
         "# Falling has measure zero",
         "",
         "Made by `python tests/reference/report_measure_zero.py`. It runs `nearflat run measure-zero` with the",
-        "defaults: 4 10^6 plain draws, and 2^18 draws per face at each tilt delta from 1e-1 to 1e-15. These",
-        "tilts are the *ladder*, and each is a *rung*. No disk fell in any run, so in each the probability of",
-        "falling is below 7.5e-7 (95 %). C is fitted on delta <= 1e-4. *z*: the difference from the prediction",
-        "in standard errors. *+-*: the half-width of the 95 % interval, relative for C.",
+        "defaults: 4 × 10^6 *plain* draws, from the whole range of starts (the *box*), and, at each tilt delta",
+        "from 1e-1 to 1e-15, 2^18 draws in *tubes*, that is, close to the falling set F, for each face of the",
+        "disk. These tilts are the *ladder*, and each is a *rung*. No disk fell in any run, so in each the",
+        "probability of falling is below 7.5e-7 (95 %). For small delta the probability to come flatter than",
+        "delta is C delta; C is fitted on delta <= 1e-4. *z*: the difference from the prediction in standard",
+        "errors. *+-*: the half-width of the 95 % interval, relative for C.",
         "",
         "| disk | density | C predicted | C estimated | +- | z | slope | +- | p | draws |",
         "|---|---|---|---|---|---|---|---|---|---|",
@@ -99,8 +101,8 @@ def law_lines(summary):
     for name, text in LAWS.items():
         yield f"| {text} | {summary['p_value'][name]:.2g} |"
     yield ""
-    yield "By the second law some disks would fall far from F. Draws in tubes cannot show this. Plain draws can:"
-    yield "some seven million reject it."
+    yield "If the second law of this table held, some disks would fall although they start far from F. Draws in"
+    yield "tubes cannot show this. Plain draws can, but it takes some seven million to reject this law."
 
 
 def split_lines(summary):
@@ -124,11 +126,13 @@ def split_lines(summary):
         )
     race = summary["race"]
     yield ""
-    yield f"Races that were also followed by integration: {race['right']:,} the way of sgn(eta),"
-    yield f"{race['wrong']} the other way."
-    yield f"theta_min/delta of the hits is uniform: p = {splits['tilt']['p_value']:.2g}."
-    yield f"The flow's determinant equals 1 within {invariance['determinant_error']:.0e}; states pushed"
-    yield f"forward are distributed as before: p = {invariance['push_forward_p_value']:.2g}."
+    yield f"Races that were also followed by integration: {race['right']:,} go the way that the sign of eta"
+    yield f"says, {race['wrong']} the other way. Of the draws that come flatter than delta, theta_min/delta is"
+    yield f"distributed uniformly: p = {splits['tilt']['p_value']:.2g}. The motion keeps volumes in the"
+    yield "phase space: the"
+    yield f"determinant of its derivative equals 1 within {invariance['determinant_error']:.0e}, and"
+    yield "states that have"
+    yield f"moved for some time are distributed as before: p = {invariance['push_forward_p_value']:.2g}."
 
 
 def coverage_lines():

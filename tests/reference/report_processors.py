@@ -147,7 +147,7 @@ def main():
         "Made by `python tests/reference/report_processors.py` on "
         f"{platform.machine()}, {' '.join(platform.libc_ver())}, numpy {np.__version__}. {said}. Every row is",
         "compared with the first. Other kinds of processor are imitated: kernels are compiled for them,",
-        "and numpy and the C library do not use instructions that they lack.",
+        "and numpy and the C library are kept from using instructions that these processors lack.",
         "",
         "| kind | `arithmetic` in run.json | " + " | ".join(SCENES) + " |",
         "|---|---|" + "---|" * len(SCENES),

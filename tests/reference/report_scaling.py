@@ -92,7 +92,7 @@ def against_eta(samples=20_000, rounds=5):
 
 def eta_lines(rows):
     """The table of `against_eta`."""
-    yield "| |eta_hat| | " + " | ".join(METHODS) + " |"
+    yield "| abs(eta_hat) | " + " | ".join(METHODS) + " |"
     yield "|---|" + "---|" * len(METHODS)
     for exponent, row in rows:
         cells = ("-" if cell is None else f"{cell:.2f}" for cell in row)
@@ -101,10 +101,11 @@ def eta_lines(rows):
 
 OF_SIZES = Caption(
     Question.HOW_GOOD,
-    "Time against the number of samples, for states that are drawn, judged and counted, and for passages that are "
-    "computed and stored. Small runs cost what starting costs; beyond the knee the time follows the dotted line, "
-    "in proportion to the samples. Above ten million, states are drawn in larger chunks and cost less each. A "
-    "second job pays for passages from a hundred thousand on, for states from a hundred million.",
+    "Time against the number of samples, for states that are drawn, judged and counted, and for passages that "
+    "are computed and stored. Small runs take as long as starting takes; beyond the bend the time grows in "
+    "proportion to the number of samples, along the dotted line. Above ten million, states are drawn in larger "
+    "chunks and take less time each. A second job is worth while from a hundred thousand passages on, and from a "
+    "hundred million states on.",
 )
 
 
@@ -137,8 +138,9 @@ def draw(rows):
 OF_DISTANCES = Caption(
     Question.HOW_GOOD,
     "Time of one passage against the distance from F, from a tenth down to 1e-300, at an accuracy of 1e-2. "
-    "Quadrature costs the same at any distance. Integrators answer everywhere too, held to their constants, and "
-    "take longer as the steps into the race and out of it grow like the logarithm of the distance.",
+    "Quadrature costs the same at any distance. Integrators answer at any distance too, because their steps are "
+    "kept on the constants of motion. They take longer the closer to F: the number of steps into the race and "
+    "out of it grows like the logarithm of the distance.",
 )
 
 
@@ -181,9 +183,10 @@ def sizes():
         "# Time and memory against the number of samples",
         "",
         "Made by `python tests/reference/report_scaling.py`, on an " + processor() + ".",
-        "*States*: the scene falling-set. It draws states, and finds their side of F, their distance from F and",
-        "whether they could fall. No rows are stored. *Passages*: the scene race-angles, with all rows stored on",
-        "disk. Both times include the summary, but no pictures. Memory is the peak of the process.",
+        "*States*: the scene falling-set. It draws states, and finds their side of the falling set F, their",
+        "distance from F and whether they could fall. No rows are stored. *Passages*: the scene race-angles, with",
+        "all rows stored on disk. Both times include the summary, but no pictures. Memory is the peak of the",
+        "process.",
         "",
         "| work | samples | jobs | samples per second | memory (MB) | faster than one job |",
         "|---|---|---|---|---|---|",

@@ -97,7 +97,8 @@ def lines(samples, found):
     for way in BACKENDS:
         gain, more = one.wall / best[way].wall, best[way].work - one.work
         alone = min(max(2.0 / gain - 1.0, 0.0), 1.0)
-        yield f"With {way} a run is {gain:.2f} times as fast as with one job, with {more:+.2f} s more work."
+        yield f"With {way.replace(', ', ' as ')}, a run is {gain:.2f} times as fast as with one job,"
+        yield f"and does {more:+.2f} s more work."
         yield f"By Amdahl's law, one processor is then idle during {100.0 * alone:.0f} % of the work."
     most = one.wall / best[BESIDE].wall
     yield f"Two runs that share nothing but the machine are {most:.2f} times as fast as one after the other."

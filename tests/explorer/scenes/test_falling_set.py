@@ -99,7 +99,8 @@ def test_the_nearer_face_decides_and_what_is_no_state_has_none():
 
 def test_the_headline_is_in_sentences_a_user_can_read(tmp_path):
     scene, found = summary_of(samples=2000)
-    share = f"would fall if eta were exactly 0: {found['could_fall_fraction']:.1%} (95 % interval "
+    share = "would fall if eta, their distance from the falling set, were exactly 0: "
+    share += f"{found['could_fall_fraction']:.1%} (95 % interval "
     assert scene.headline(found)[1].startswith(share)
     assert "of all samples: median" in scene.headline(found)[2]
     scene, found = summary_of(samples=2000, theta_min="near")
