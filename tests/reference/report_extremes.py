@@ -8,12 +8,14 @@ to the cost at |eta_hat| = 0.1.
 
 import itertools
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from motions import MOTIONS, PASSAGES, of_one_body
 
 import explorer as ex
+from explorer.phase.lines import motion_given
 
 OUT = Path(__file__).parents[2] / "results" / "extremes"
 LADDER = (1e-11, 1e-8, 1e-5, 1e-2)
@@ -53,7 +55,8 @@ def rocking():
     b = disk.body
     for excess in (1e-3, 1e-6, 1e-9, 1e-12, 1e-15):
         states = ex.theta_to_states(disk, excess, 0.0, 0.5 * excess**2 / b.r0, 1.0 / (b.k * b.r0))
-        got = ex.periods(states, 1e-9, eta_hat=1e-60)
+        motion = motion_given(disk, states.motion.sigma3_bar, np.full(1, 1e-60), np.ones(1, bool))
+        got = ex.periods(replace(states, given=motion), 1e-9)
         ratio = got.period[0] / np.sqrt(excess) / (2.0**1.5 * np.sqrt(b.M))
         yield excess, ex.Status(got.status[0]).name.lower(), ratio, got.error_estimate[0]
 

@@ -24,8 +24,6 @@ CASES = (
     ("uniform", {"box": f"phi={-HALF_PI!r}:{HALF_PI!r}", "energy": ":3"}),
     ("hoop", {"box": "phi=-0.5:1,sigma4=0.3"}),
     ("uniform", {"gaussian": "phidot=0.5:0.3,sigma4=0:0.5"}),
-    ("uniform", {"sampling": "sobol"}),
-    ("hoop", {"box": "phi=-1:1", "sampling": "sobol"}),
 )
 COVERED = (("uniform", None, 256), ("hoop", "phi=-1:1", 256), ("matching", "phi=-1:1", 64))
 LAWS = {

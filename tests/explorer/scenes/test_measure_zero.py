@@ -56,9 +56,8 @@ def few():
         {"box": "phi=-1.5:1.5", "energy": ":3"},
         {"box": "phi=-0.5:1,sigma4=0.3"},
         {"box": "phi=0.2", "gaussian": "sigma3=0:0.7,phidot=0.5:0.4"},
-        {"sampling": "sobol"},
     ],
-    ids=["vertical", "tilted", "energy", "fixed", "gaussian", "sobol"],
+    ids=["vertical", "tilted", "energy", "fixed", "gaussian"],
 )
 def test_slope_and_constant_are_those_of_codimension_one(disk, options):
     """Every estimate within 4 standard errors, and errors as small as the draws allow."""
@@ -199,7 +198,7 @@ def test_a_density_given_in_python_is_sampled_and_identified():
 
 
 def test_options_come_back_from_json():
-    options = {"energy": "1.2:4", "gaussian": "sigma3=0.5:1", "box": "phi=-1:1", "sampling": "sobol"}
+    options = {"energy": "1.2:4", "gaussian": "sigma3=0.5:1", "box": "phi=-1:1"}
     scene = MeasureZero(samples=1000, tube=512, ladder="1e-7:1e-1", **options)
     assert scene_of(json.loads(json.dumps(scene.options))) == scene
 
@@ -218,7 +217,6 @@ def test_options_come_back_from_json():
         ({"density": lambda phi, *_: np.random.default_rng().random(phi.size)}, "call to call"),
         ({"ladder": (-1.5, 0.3)}, "with 1e-100 <= LOW"),
         ({"tube": 1}, "tube"),
-        ({"tube": 20, "sampling": "sobol"}, "16 scrambles"),
         ({"sampling": "halton"}, "sampling"),
         ({"box": "sigma3=0,sigma4=0"}, "both fixed"),
         ({"box": f"phi=0:{0.5 * math.pi!r}"}, "delta ln"),
