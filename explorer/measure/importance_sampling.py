@@ -22,6 +22,7 @@ from explorer.measure.tubes import TiltAndRate, counts_on, half_width
 from explorer.motion.orbits import KERNELS as OF_ENDS
 from explorer.motion.orbits import ends_of, smallest, tilts_on
 from explorer.motion.starts import arc_starts_of, face_of, status_at_start
+from explorer.motion.trajectories import finer
 from explorer.phase.disk import Disk
 from explorer.phase.lines import motion_given, other_eta_hat
 from explorer.phase.states import Array, States
@@ -34,8 +35,9 @@ KERNELS = (  # for `compiled.warmup`
 # Tilts below this many delta are drawn plainly: above, the width of a tube settles in a few rounds. With a larger
 # delta than this they would be all there are.
 _BESIDE_FLAT, LARGEST_DELTA = 10.0, 0.1
-_TOWARDS_FLAT = 57  # edges of cells from 1e-13 rad on, four in a decade
-_PILOT = 64  # draws of a cell, which say how often the others come from it
+# Cells: their edges from 1e-13 rad on, four in a decade; into how many parts each is cut; and the draws of a part,
+# which say how often the others come from it.
+_TOWARDS_FLAT, _PARTS, _PILOT = 57, 2, 64
 # Least share of tilts, and of pairs, that are drawn from their own distributions: no weight exceeds one over it.
 # Pairs that are hardly ever come to the tube.
 _OWN, _OWN_PAIR = 0.15, 0.03
@@ -182,7 +184,7 @@ class Tube:
         towards = np.geomspace(max(self.beside, 1e-13), 0.1, _TOWARDS_FLAT)
         edges = np.unique(np.concatenate([np.clip(tilt.nodes, low, high), low + towards, high - towards]))
         edges = edges[(edges >= max(low, tilt.nodes[0])) & (edges <= min(high, tilt.nodes[-1]))]
-        return edges if edges.size > 1 else np.array([low, high])
+        return finer(edges if edges.size > 1 else np.array([low, high]), _PARTS)
 
     @cached_property
     def _widths(self) -> Array:
