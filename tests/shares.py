@@ -64,9 +64,9 @@ def table_of(heads, lines):
 
 
 def counted(rows):
-    """How many shares lie outside of a hundredth of the accuracy to all of it, in words."""
+    """How many entries lie outside of a hundredth of the accuracy to all of it, in words."""
     every = np.array([share.p99 for row in rows for share in row])
-    return f"Of {every.size} shares {(every < 0.01).sum()} lie below 0.01 and {(every > 1.0).sum()} above 1."
+    return f"Of the {every.size} entries, {(every < 0.01).sum()} lie below 0.01 and {(every > 1.0).sum()} above 1."
 
 
 def across(disk, n, seed):

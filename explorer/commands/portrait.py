@@ -32,7 +32,7 @@ class Drawn(Options):
     disk: Disk | None = option(
         DISK,
         "as for run",
-        words="uniform; for hero and film one with kappa = 2.5, whose two limits rise in opposite places",
+        words="uniform; for hero and film one with kappa = 2.5, which rises in opposite places on the two sides",
     )
     only: str | None = option(
         Reader(partial(one_of, known=GROUPS), "GROUP", "str"),

@@ -24,7 +24,7 @@ class Coordinates(Options):
     phi: str | None = option(_VALUE, "tilt from the vertical; with --phidot, --sigma3 and --sigma4")
     phidot: str | None = option(_VALUE, "rate of phi")
     sigma3: str | None = option(_VALUE, "sigma3 of eq. (2.14)")
-    sigma4: str | None = option(_VALUE, "spin sigma4 of eq. (2.14)")
+    sigma4: str | None = option(_VALUE, "sigma4 of eq. (2.14)")
     energy: str | None = option(_VALUE, "energy, instead of phidot")
     sigma3_bar: str | None = option(_VALUE, "constant of motion, in the place of sigma3")
     sigma4_bar: str | None = option(_VALUE, "constant of motion, in the place of sigma4")

@@ -27,7 +27,7 @@ class Trading(Options):
 
     motions: int = option(
         whole_from(0),
-        "of how many samples, from the first on, the motions in time are measured too; 0 for none",
+        "number of samples, counted from the first, whose motions in time are measured too; 0 for none",
         default=MOTIONS,
     )
     t_end: float | None = option(

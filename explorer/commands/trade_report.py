@@ -8,16 +8,16 @@ from explorer.motion.work_precision import Measured
 from explorer.scenes.scene import Scene
 
 _REFERENCE = {
-    "passages": "quadrature along arcs at 1e-11, which uses none of the tables of the methods that are measured",
+    "passages": "quadrature along arcs at 1e-11, which uses none of the precomputed tables of the methods",
     "tilts": "quadrature at 1e-13; quadrature itself against rk8 with steps far finer than any accuracy needs",
     "motions": "rk8 with steps far finer than any accuracy needs",
 }
 
 _ABOUT = """Samples are those that the scene draws. Times are those of the scene's calls, or of `simulate` for
 motions: processor time of one core, without compile time, the least of several interleaved rounds.
-Compare them only within this page. *Unresolved* is the share of samples whose side of F is unknown, *refused*
-the share without an answer for another reason. *Wrong way* counts samples that came out on the other side of
-F. Rows marked * are the best integrators: no other is as fast and as accurate.
+Compare them only within this page. *Unresolved* is the share of samples whose side of the falling set F is
+unknown, *refused* the share without an answer for another reason. *Wrong way* counts samples that came out on
+the other side of F. Rows marked * are the best integrators: no other is as fast and as accurate.
 
 ![error and time of all methods](trade.png)
 """

@@ -115,7 +115,7 @@ def follow_accurately(
 
     def unsettled() -> NDArray[np.intp]:
         error[found.status == lost] = np.inf  # steps so long that a motion runs away
-        return np.flatnonzero(np.isin(found.status, (ok, lost)) & ~(error <= asked))
+        return np.flatnonzero(((found.status == ok) | (found.status == lost)) & ~(error <= asked))
 
     if given.plan.setting is None:
         for _ in range(_RUNS):

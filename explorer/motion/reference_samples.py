@@ -84,7 +84,9 @@ class ReferencePassages(ReferenceSamples):
 
     kind = "passages"
     unit = "passage"
-    error = "the largest of race angle, delta chi, delta psi (rad), duration and theta_min (relative)"
+    error = (
+        "the largest of the errors of race angle, delta chi, delta psi (rad), duration and theta_min (relative)"
+    )
     observables = OF_PASSAGES
 
     def __init__(self, disk: Disk, starts: VerticalStarts) -> None:
@@ -153,7 +155,9 @@ class ReferenceMotions(ReferenceSamples):
 
     kind = "motions"
     unit = "motion"
-    error = "the largest of phi, chi, psi (rad) and path (r), at times at which the disk does not race"
+    error = (
+        "the largest of the errors of phi, chi, psi (rad) and path (r), at times at which the disk does not race"
+    )
     observables = IN_TIME
     in_time = True
 

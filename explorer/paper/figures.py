@@ -34,8 +34,8 @@ _BODY_WORDS = {"uniform": "the uniform disk", "hoop": "the hoop"}
 CHI0_FITS = (0.41, 0.57)  # rad: what the ticks of Fig. 7 leave, to the last digit
 
 INFERRED = (
-    f"The paper does not give χ(0). It is {CHI0:g} rad here; the ticks of its Fig. 7 allow {CHI0_FITS[0]:g} to "
-    f"{CHI0_FITS[1]:g}.",
+    f"The paper does not give χ(0), the direction of the contact point at the start. It is {CHI0:g} rad here; "
+    f"the ticks of its Fig. 7 allow {CHI0_FITS[0]:g} to {CHI0_FITS[1]:g}.",
     "Fig. 1: the length is described in the paper as somewhat more than three periods.",
     "Figs. 2, 4, 5: the right part shows the same window as Fig. 3, whose ticks are known.",
     "Figs. 6 to 9: the length is inferred from Fig. 7, whose ticks exclude 3.4 periods.",
@@ -136,7 +136,7 @@ class PaperFigure:
         own = same and eta_hat == ETA_HAT
         text = f"{'' if own else 'As '}Fig. {figure}. {text}"
         if own and figure >= 8:
-            text += " The paper prints 0.01 for both panels; the right one is −0.01."
+            text += " The paper prints 0.01 for both panels; for the panel on the right it is −0.01."
         return f"{text} Dotted: the limit motion of the same side of F, from the same start."
 
 
@@ -162,9 +162,9 @@ _CONTACT = (
     "side of F, the other way on the other side."
 )
 _TITLES = {
-    "chi": r"In each near-fall $\chi$ jumps by $\kappa\pi$, up on one side of $F$, down on the other",
+    "chi": r"In each near-fall $\chi$ jumps by $\kappa\pi$, up or down",
     "axis": r"Nearly flat, the axis turns round the vertical by $\kappa\pi$",
-    "path": "After a near-fall the centre leaves in a direction that depends on the side of $F$",
+    "path": "The centre leaves a near-fall differently on the two sides of $F$",
     "contact": "On the two sides of $F$ the contact point races opposite ways",
 }
 _UNIFORM, _HOOP = Disk.uniform(), Disk.hoop()

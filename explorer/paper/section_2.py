@@ -272,7 +272,7 @@ def contact_point() -> Iterator[Finding]:
     second = contact_from_normal(disk, A[:, :, 2], a)
     printed = second + disk.r * np.outer(1.0 / q, [0.0, 0.0, 1.0])
     gap, off = (distance(first, other) / disk.r for other in (second, printed))
-    text = "(2.34) less (2.35), random rotations, in r; as printed without e₃"
+    text = "(2.34) minus (2.35), random rotations, in r; as printed, without e₃"
     why = "rounding over cos² φ, which is 0.002 at the least"
     yield near(text, gap, 0.0, 5e-13, why, {"(2.35)": off})
     yield near("height by (2.34) in r", distance(first[:, 2], 0.0) / disk.r, 0.0, 5e-13, why)

@@ -347,7 +347,9 @@ def slope_of_potential() -> Iterator[Finding]:
         printed.append((derivative - scaled_slope(c, d, x, y, z, printed=True)) / W)
         M, unit = disk.I1 + disk.m * disk.r**2, disk.m * disk.g * disk.r
         forces.append((M * plain.tilting(disk, state) / (unit * np.cos(state[0])) + slope) / W)
-    text = "(4.10), CW, less a complex-step derivative of W, over W, 60 random states; as printed C lacks an x"
+    text = (
+        "(4.10): CW minus a complex-step derivative of W, divided by W, 60 random states; as printed, C lacks an x"
+    )
     off = {"4, vector field C": distance(printed, 0.0)}
     yield near(text, distance(derivatives, 0.0), 0.0, 1e-12, ROUNDING, off)
     text = "(4.10) less the force on φ by the plain equations, over W"

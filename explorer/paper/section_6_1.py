@@ -81,8 +81,8 @@ def _rest_of_the_barrier(disk: Disk, face: int, eta: float) -> Iterator[Finding]
     slope, level = np.polyfit(logs, sigma[1], 1)
     want = J * slope * level + c * eta**2 / (4.0 * disk.I1)
     text = (
-        f"{where} how fast V minus the other terms of (6.7) grows with ln(1∓σ₁), divided by the growth that "
-        "follows from σ₄ and (3.8); as printed, there is no growth"
+        f"{where} D is V minus the other terms of (6.7): its growth with ln(1∓σ₁), divided by the growth that "
+        "follows from σ₄ and (3.8); as printed, D does not grow"
     )
     yield near(text, np.polyfit(logs, rest, 1)[0] / want, 1.0, 5e-3, "terms S ln²S", {"(6.7)": 0.0})
 

@@ -273,7 +273,8 @@ def speed_of_the_contact_point() -> Iterator[Finding]:
         arm = motion.contact - motion.a
         angle = np.exp(1j * (np.arctan2(arm[:, 1], arm[:, 0]) - motion.chi))
         what = (
-            f"{disk.name}, face {face:+d}: e^i(angle of p − a) e^−iχ in 8 dimensions, from ±1; as printed, from −1"
+            f"{disk.name}, face {face:+d}: distance of e^i(angle of p − a) e^−iχ from ±1, in 8 dimensions; as "
+            "printed, its distance from −1"
         )
         off = {"7.3, angle of p − a": float(abs(angle + 1.0).min())} if face > 0 else {}
         yield near(what, float(abs(angle - face).max()), 0.0, 1e-8, "1e-12 in A over the tilt, 7e-4", off)

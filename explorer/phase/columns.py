@@ -82,7 +82,7 @@ COLUMNS = {
     # a passage near flat
     "race_angle": Column("delta_chi minus fall_angle; its limit is side times kappa pi.", ANGLE, "(7.9)"),
     "fall_angle": Column(
-        "Turn of chi along the same part of the limit motion with the same sigma3_bar and energy.",
+        "Turn of chi without the race: along the falling motion with this sigma3_bar and energy.",
         ANGLE,
         "section 7.1",
     ),

@@ -96,7 +96,7 @@ def bifurcation_of_tilts(ax: Axes, disk: Disk, path: str) -> None:
 @picture(
     Question.WHICH_MOTIONS,
     "Which motions there are at each energy, the vertical axis, along a path in the plane of the two constants "
-    "of motion, the horizontal axis. Up to three kinds of curve cut the plane into regions: the energies of "
+    "of motion, the horizontal axis. Up to three kinds of curve cut the picture into regions: the energies of "
     "stable steady motions, those of unstable ones, and, on l₊, the energy V₀ above which the disk can reach "
     "flat. For each letter there is a phase portrait in the picture of the regions.",
     group="bifurcation",
@@ -107,8 +107,8 @@ def bifurcation_of_energies(
 ) -> None:
     """Draw the energies of steady motions along a path, section 6.2, and the regions that they bound.
 
-    path: as for bifurcation-of-tilts. places: pairs of a value of the parameter of the path and an energy, units
-    of the disk, which get a letter; by default one in each region.
+    path: as for bifurcation-of-tilts. places: the points that get a letter, each a pair: the parameter of the path
+    and the energy, units of the disk; by default one in each region.
     """
     threshold = max(path_values(disk, one_of("path", path, PATHS))[1])
     places = [place for place, _ in _of_places(disk, path, threshold, places)]

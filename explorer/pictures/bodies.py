@@ -32,7 +32,8 @@ _NEAR = 1e-12
 def race_numbers(figure: Figure, disk: Disk, most: float = 16.0) -> None:
     """Draw kappa, eq. (7.9), and the gap between the limits, section 7.2, against m r^2/I1 up to `most`.
 
-    The disk is measured, and some flat bodies besides; 4 is the uniform disk, 2 the hoop.
+    Races of the disk and of some other flat bodies are measured; m r^2/I1 is 4 for the uniform disk, 2 for the
+    hoop.
     """
     number, gap = figure.subplots(2, 1, sharex=True)
     ratio = np.linspace(0.0, most, 1601)

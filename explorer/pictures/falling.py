@@ -61,8 +61,8 @@ def constants_plane(ax: Axes, samples: States | ConstantsPlane, cells: int = 100
 def theta_min(ax: Axes, theta: LogHistogram | ArrayLike, samples: int | None = None) -> None:
     """Draw the share of samples that come flatter than delta, and a line of slope one, as for codimension one.
 
-    theta: smallest tilts (rad), of `explorer.periods` for instance, or counts of them. samples: how many there
-    are with those whose tilt is not known; by default as many as there are tilts.
+    theta: smallest tilts (rad), of `explorer.periods` for instance, or counts of them. samples: the number
+    of all samples, including those whose tilt is not known; by default the number of tilts.
     """
     counts = (theta if isinstance(theta, LogHistogram) else _counted(theta)).row()
     samples = samples if samples is not None else counts.total

@@ -122,8 +122,8 @@ def constant_convergence(ax: Axes, summary: dict[str, Any]) -> None:
 @picture(
     Question.HOW_RARELY,
     "The density of the smallest tilt among the draws that come flatter than δ, beside the uniform density that "
-    "the law Cδ predicts. The axis shows a percent or so on either side of 1: what is left is the noise of "
-    "counting.",
+    "the law Cδ predicts. The axis shows only a percent or so on either side of 1: the differences that can "
+    "still be seen are the noise of counting.",
 )
 def tilt_density(ax: Axes, summary: dict[str, Any]) -> None:
     """Draw theta_min / delta of the hits beside the constant density that the law predicts."""

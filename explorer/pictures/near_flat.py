@@ -99,7 +99,7 @@ def _on_both_sides(sizes: Sequence[float]) -> list[float]:
 def limit_paths(figure: Figure, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.03, 0.01)) -> None:
     """Draw contact paths at decreasing distances from F, section 7, and the limits, a panel for each side.
 
-    eta_hat: in natural units, as sigma3_bar = phidot = 1.
+    eta_hat: in natural units, in which sigma3_bar = phidot = 1.
     """
     start = constants_to_states(disk, disk.rate_unit, 0.0, disk.rate_unit)
     several = [both_sides(start, size * disk.rate_unit) for size in eta_hat]
@@ -164,9 +164,9 @@ def race_collapse(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 1e-2, 1
 @picture(
     Question.HOW_FAR,
     "Motions near F, drawn by two rates that stay bounded at flat: the rate of the tilt, and ρ/κ, where ρ is the "
-    "speed of the contact point along the rim. The nearer to F, the closer they keep to an orbit that the flat "
-    "state itself has in this plane: half of a circle, from the impact at −A to the rise at +A, one half for "
-    "each side of F. This orbit is the race: along it the contact point turns by ±κπ.",
+    "speed of the contact point along the rim. The nearer to F, the closer they keep to half of a circle, from "
+    "the impact at −A to the rise at +A, with one half for each side of F. Each half is an orbit of the flat "
+    "state itself, and it is the race: along it the contact point turns by ±κπ.",
     group="limit",
 )
 def blow_up(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.01, 0.001)) -> None:

@@ -193,7 +193,8 @@ def _name(potential: Potential) -> str:
 def portrait_of_sides(figure: Figure, potential: Potential, energies: tuple[float, float] | None = None) -> None:
     """Draw levels of the energy on both sides of F, in the plane of the tilt and in that of the race, eq. (7.6).
 
-    potential: from `explorer.potential`, beside the line; the other side is its mirror image in eta_hat.
+    potential: from `explorer.potential`, beside a line l_+-, on one side; the other side is its mirror image, with
+    -eta_hat.
     """
     if potential.eta == 0.0:
         raise InputError(

@@ -82,7 +82,8 @@ def steady_plane(ax: Axes, disk: Disk) -> None:
 def steady_map(ax: Axes, disk: Disk) -> None:
     """Draw circular rolling over lean and precession: which motions are stable, and the radii of their circles.
 
-    Spinning upright is at lean 0, and is stable above its threshold; straight rolling is the corner.
+    Spinning upright is at lean 0, and is stable above its threshold; straight rolling is the corner where lean and
+    precession are 0.
     """
     unit = disk.rate_unit
     lean, precession = np.linspace(1e-3, HALF_PI - 1e-3, 241), np.linspace(0.02, 3.2, 321) * unit

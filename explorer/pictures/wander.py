@@ -24,7 +24,7 @@ _BOUNDED = 1e6  # radii; a larger circle is straight in any picture, so none is 
     "are the centre after each period; they lie on the dotted circle, unless a resonance carries the disk away.",
 )
 def rosette(ax: Axes, path: WanderPath) -> None:
-    """Draw a path of `explorer.wander_path`: the centre after each period, as predicted, and its circle."""
+    """Draw a path of `explorer.wander_path`, the predicted centre after each period, and the circle of these."""
     _path(ax, path)
     ax.set_aspect("equal", adjustable="datalim")
     legend_below(ax, ncols=3)
@@ -115,7 +115,7 @@ def wander_paths(figure: Figure, disk: Disk) -> None:
 def wander_distance(ax: Axes, disk: Disk, count: int = 12) -> None:
     """Draw the distance of the centre from its start against time, with the bound that follows from one period.
 
-    Of a generic motion of the disk, and of a resonance.
+    Two motions are drawn: a generic one of the disk, and a resonance.
     """
     walk = walk_of(disk)
     named = {"generic": walk.generic(count), "resonant": wander_path(walk.start, count)}

@@ -47,7 +47,11 @@ class Portrait(Scene):
         words="three: 0, and one on each side",
     )
     energy: Range | None = option(RANGE, "energies of the levels, in the units of the disk")
-    well: bool = option(TRUTH, "fail if the potential has no well beside the falling motions", default=False)
+    well: bool = option(
+        TRUTH,
+        "fail if the potential in which the tilt moves has no well beside the falling motions",
+        default=False,
+    )
 
     tally, drawn = PortraitCounts, 9
     observables: ClassVar[tuple[str, ...]] = ("constants",)

@@ -86,7 +86,7 @@ class RaceAngles(FromStates):
         word_of("near", "anywhere"),
         "near: upright, near the falling set; anywhere: in all of the phase space, random or given, and followed "
         "to the next approaches to flat",
-        words="near; anywhere if states, gaussian or density are given, or a box of more than phidot and sigma3",
+        words="near; anywhere if states, gaussian or (in Python) density are given, or a box of more than these",
         follows=lambda self, given: "near" if isinstance(self, NearF) else "anywhere",
     )
     eta_hat: Range | None = option(

@@ -99,9 +99,9 @@ def main():
     ]
     lines += [
         "",
-        "A disk that rocks near flat, at eta_hat = 1e-60. *Ratio*: the period divided by its limit,",
-        "2^(3/2) sqrt(M) sqrt(E - V0), where E is the energy, V0 the amended potential at flat, and",
-        "M = I1 + m r^2.",
+        "A disk that rocks near flat, at the distance eta_hat = 1e-60 from the falling set F. *Ratio*: the period",
+        "divided by its limit, 2^(3/2) sqrt(M) sqrt(E - V0), where E is the energy, V0 the amended potential at",
+        "flat, and M = I1 + m r^2.",
         "",
         "| E - V0 | status | ratio - 1 | estimate |",
         "|---|---|---|---|",

@@ -55,11 +55,12 @@ def main():
         "# Falling has measure zero",
         "",
         "Made by `python tests/reference/report_measure_zero.py`. It runs `nearflat run measure-zero` with the",
-        "defaults: 4 × 10^6 plain draws, from the whole box, and, at each tilt delta from 1e-1 to 1e-15, 2^18",
-        "draws close to the falling set F for each face. These tilts are the *ladder*, and each is a *rung*. No",
-        "disk fell in any run, so in each the probability of falling is below 7.5e-7 (95 %). For small delta the",
-        "probability to come flatter than delta is C delta; C is fitted on delta <= 1e-4. *z*: the difference",
-        "from the prediction in standard errors. *+-*: the half-width of the 95 % interval, relative for C.",
+        "defaults: 4 × 10^6 *plain* draws, from the whole range of starts (the *box*), and, at each tilt delta",
+        "from 1e-1 to 1e-15, 2^18 draws in *tubes*, that is, close to the falling set F, for each face of the",
+        "disk. These tilts are the *ladder*, and each is a *rung*. No disk fell in any run, so in each the",
+        "probability of falling is below 7.5e-7 (95 %). For small delta the probability to come flatter than",
+        "delta is C delta; C is fitted on delta <= 1e-4. *z*: the difference from the prediction in standard",
+        "errors. *+-*: the half-width of the 95 % interval, relative for C.",
         "",
         "| disk | density | C predicted | C estimated | +- | z | slope | +- | p |",
         "|---|---|---|---|---|---|---|---|---|",
@@ -97,8 +98,8 @@ def law_lines(summary):
     for name, text in LAWS.items():
         yield f"| {text} | {summary['p_value'][name]:.2g} |"
     yield ""
-    yield "By the second law some disks would fall far from F. Draws in *tubes*, all of them close to F, cannot"
-    yield "show this. Plain draws can, but it takes some seven million to reject this law."
+    yield "If the second law of this table held, some disks would fall although they start far from F. Draws in"
+    yield "tubes cannot show this. Plain draws can, but it takes some seven million to reject this law."
 
 
 def split_lines(summary):

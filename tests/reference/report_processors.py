@@ -172,9 +172,10 @@ def main():
         "Made by `python tests/reference/report_processors.py` on "
         f"{platform.machine()}, {' '.join(platform.libc_ver())}, numpy {np.__version__}. {said}. Every row is",
         "compared with the first. Other kinds of processor are imitated: kernels are compiled for them,",
-        "and numpy and the C library do not use instructions that they lack. "
+        "and numpy and the C library are kept from using instructions that these processors lack. "
         + (
-            "In the last rows QEMU emulates the processor."
+            "In the last two rows QEMU emulates the processor; *against the imitation* compares them with the row "
+            "that imitates the same kind."
             if emulated
             else "There was no emulator (`qemu-x86_64`) here."
         ),
