@@ -34,7 +34,6 @@ class Keywords(TypedDict, total=False):
     grid: int | float | str
     ladder: str | tuple[float, float]
     tube: int | float | str
-    sampling: Literal['random', 'sobol']
     eta_hat: str | float | tuple[float, float]
     sigma3_bar: float | str
     sigma4_bar: float | str

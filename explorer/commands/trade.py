@@ -6,13 +6,10 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from explorer import compiled
 from explorer.commands import Answer, trade_report
 from explorer.commands.run import add_scene, given_by
 from explorer.errors import InputError, flag, note, positive, said
-from explorer.motion import calibration
-from explorer.motion.work_precision import Measured, Row, curves, largest_errors, measure, only_errors
-from explorer.phase.disk import Disk
+from explorer.motion.work_precision import Measured, Row, measure
 from explorer.phase.paths import made_folder, path_of
 from explorer.runs.settings import Settings
 from explorer.scenes.options import Options, Reader, option, whole_from
@@ -22,9 +19,6 @@ from explorer.scenes.scene import Scene, scene_class
 FEWEST, MOTIONS = 256, 1024
 # Without a scene: passages at all these distances from F, natural units.
 PLAIN, ALL_DISTANCES = "race-angles", (1e-8, 1.0)
-# Errors are calibrated on all of these too, so that they hold for bodies nobody measured.
-BODIES = (Disk.uniform(), Disk.hoop(), Disk(I1=0.02, I3=0.04), Disk(I1=0.5, I3=0.3))
-_OF_EACH_BODY = 1024, 64  # passages, motions
 _MEASURED = ("method", "accuracy")
 
 
@@ -67,32 +61,8 @@ class Trade:
 
     @property
     def rows(self) -> list[Row]:
-        """Every method at every setting, of all parts."""
+        """Every method at every accuracy, of all parts."""
         return [row for part in self.parts for row in part.rows]
-
-    @property
-    def asked(self) -> list[Row]:
-        """Every method at every accuracy asked, of all parts."""
-        return [row for part in self.parts for row in part.asked]
-
-    def store(self) -> Path:
-        """Keep it as the calibration of this machine, which `accuracy` and `method="auto"` use from then on.
-
-        Costs are as measured here; errors are the largest of those measured here and on four other bodies.
-
-        Returns
-        -------
-        Path
-            The file, which may be deleted.
-
-        Raises
-        ------
-        InputError
-            If these samples do not let a method's error fall with its setting.
-        RunError
-            If it cannot be written.
-        """
-        return calibration.store(calibrate(self))
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{part.samples:,} {part.kind}" for part in self.parts)
@@ -140,63 +110,22 @@ def scene_for(scene: str | type[Scene] | None, options: dict[str, Any]) -> Scene
     return replace(made, **more)
 
 
-def _plain(disk: Disk, samples: int, seed: int) -> Scene:
-    return scene_for(None, {"disk": disk, "samples": samples, "seed": seed})
-
-
-def calibrate(measured: Trade) -> dict[str, Any]:
-    """The table for `calibration`: costs as measured, errors the largest over BODIES too. Raises InputError."""
-    by_kind = {part.kind: part for part in measured.parts}
-    passages, motions = _OF_EACH_BODY
-    bodies = [_plain(disk, passages, number) for number, disk in enumerate(BODIES)]
-    plain = by_kind.get("passages") or measure(
-        _plain(measured.scene.disk, measured.scene.tried, 0).reference_samples(1, None)[0]
-    )
-    in_time = by_kind.get("motions") or measure(bodies[0].reference_samples(2 * motions, None)[1])
-    own = [part.rows for part in measured.parts]
-    others = [only_errors(samples) for body in bodies for samples in body.reference_samples(motions, None)]
-    errors = largest_errors([*own, plain.rows, in_time.rows], others)
-    quadrature = [row.nanoseconds for row in plain.rows if row.method == "quadrature"]
-    table = {
-        "kernels": compiled.source_digest(),
-        "measured_on": measured.scene.options,
-        "settings": calibration.SETTINGS,
-        "quadrature": quadrature[-1],
-        "methods": curves(plain, errors),
-    }
-    try:
-        calibration.parse(table, "")
-    except ValueError as error:
-        raise InputError(
-            f"{measured.scene.name}: {error} on these samples, so they cannot calibrate; --no-store keeps what is "
-            "there"
-        ) from None
-    return table
-
-
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the options of `nearflat trade`: those of the scene, and its own."""
     kind = add_scene(command, words, "; by default the passages of race-angles", nargs="?")
     Trading.add_to(command)
     (scene_class(PLAIN) if kind is Scene else kind).add_to(command)
     command.add_argument("--out", metavar="DIR", help="folder (default results/trade, or results/trade-SCENE)")
-    command.add_argument(
-        "--no-store",
-        action="store_true",
-        help="do not store the measured costs, which later runs on this machine would use",
-    )
 
 
 def call(options: argparse.Namespace) -> Answer:
-    """Measure, keep what was found for this machine, and write the page."""
+    """Measure, and write the page."""
     scene, given = given_by(options)
     out = path_of(
         "out", given.pop("out", None) or ("results/trade" if scene is None else f"results/trade-{scene}")
     )
     settings, rest = Settings.apart(given)  # a TOML file may have some of a run
     found = measured(scene, {**rest, "progress": settings.progress}, out)
-    where = None if options.no_store else found.store()
-    trade_report.write(found.scene, found.parts, out, options.command_line, where)
-    kept = f" Calibration kept in {where}." if where else ""
+    trade_report.write(found.scene, found.parts, out, options.command_line)
     record = {"scene": found.scene.options, "parts": [asdict(part) for part in found.parts]}
-    return Answer(record, f"{found}\nTables and picture are in {out}.{kept}")
+    return Answer(record, f"{found}\nTables and picture are in {out}.")

@@ -4,7 +4,7 @@ import platform
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from explorer.motion.work_precision import Measured, Row
+from explorer.motion.work_precision import Measured
 from explorer.scenes.scene import Scene
 
 _REFERENCE = {
@@ -15,18 +15,16 @@ _REFERENCE = {
 
 _ABOUT = """Samples are those that the scene draws. Times are those of the scene's calls, or of `simulate` for
 motions: processor time of one core, without compile time, the least of several interleaved rounds.
-Compare them only within this page. Each setting is judged at the accuracy for which it would be chosen, which
-is twice its error. At that accuracy, *unresolved* is the share of samples whose side of the falling set F is
+Compare them only within this page. *Unresolved* is the share of samples whose side of the falling set F is
 unknown, *refused* the share without an answer for another reason. *Wrong way* counts samples that came out on
-the other side of F. Rows marked * are the best integrators: no other is as fast and as accurate. The second
-table of each kind gives the error divided by the accuracy asked.
+the other side of F. Rows marked * are the best integrators: no other is as fast and as accurate.
 
 ![error and time of all methods](trade.png)
 """
 
 
 def tables(parts: Iterable[Measured]) -> list[str]:
-    """All parts as Markdown: what was measured, by setting, and at the accuracies asked."""
+    """All parts as Markdown: what was measured, and its table."""
     lines = []
     for part in parts:
         lines += [
@@ -35,34 +33,22 @@ def tables(parts: Iterable[Measured]) -> list[str]:
             f"{part.samples:,} {part.kind}, {part.known:,} with a known answer. Error: {part.error}, against",
             f"{_REFERENCE[part.kind]}.",
             "",
-            *by_setting(part),
-            "",
-            "What `--accuracy` achieves with the settings in use:",
-            "",
-            *by_accuracy(part.asked),
+            *by_accuracy(part),
             "",
         ]
     return lines[:-1]
 
 
-def by_setting(part: Measured) -> list[str]:
+def by_accuracy(part: Measured) -> list[str]:
     """Every method from coarse to fine; the front is marked."""
-    heads = "method|setting|median error|99th percentile|largest|evaluations|ns per " + part.unit
+    heads = "method|accuracy|median error|99th percentile|largest|evaluations|ns per " + part.unit
     rows = [
-        f"{row.method}|{row.setting:.2g}|{row.median:.0e}|{row.p99:.0e}|{row.largest:.0e}"
+        f"{row.method}|{row.accuracy:.0e}|{row.median:.0e}|{row.p99:.0e}|{row.largest:.0e}"
         f"|{f'{row.evaluations:.0f}' if row.evaluations else '-'}|{row.nanoseconds:.0f}"
         f"|{row.unresolved:.1%}|{row.refused:.1%}|{row.wrong_way}|{'*' if row.on_front else ''}"
         for row in part.rows
     ]
     return _table([f"{heads}|unresolved|refused|wrong way|*", *rows])
-
-
-def by_accuracy(asked: Sequence[Row]) -> list[str]:
-    """The 99th percentile of the error over the accuracy asked, and the time (ns), a column for each accuracy."""
-    cells = {(row.method, row.setting): f"{row.p99 / row.setting:.1e} ({row.nanoseconds:.0f} ns)" for row in asked}
-    methods, levels = dict.fromkeys(row.method for row in asked), dict.fromkeys(row.setting for row in asked)
-    heads = "|".join(["method", *(f"{level:.0e}" for level in levels)])
-    return _table([heads, *("|".join([m, *(cells.get((m, level), "-") for level in levels)]) for m in methods)])
 
 
 def _table(rows: Sequence[str]) -> list[str]:
@@ -71,7 +57,7 @@ def _table(rows: Sequence[str]) -> list[str]:
     return [head, "|---" * (rows[0].count("|") + 1) + "|", *others]
 
 
-def write(scene: Scene, parts: list[Measured], out: Path, command: str, where: Path | None) -> None:
+def write(scene: Scene, parts: list[Measured], out: Path, command: str) -> None:
     """README.md and trade.png in the folder `out`."""
     from matplotlib.figure import Figure
 
@@ -84,7 +70,6 @@ def write(scene: Scene, parts: list[Measured], out: Path, command: str, where: P
         f"\nMade by `{command}` on {platform.machine()}, {platform.system()}.\n",
         _ABOUT,
         *tables(parts),
-        *(["\nStored for this machine; `--accuracy` and `--method auto` read it."] if where else []),
     ]
     (out / "README.md").write_text("\n".join(page) + "\n", encoding="utf-8")
     figure = Figure(figsize=(SIZE[0], 2.0 * SIZE[1] if len(parts) > 1 else SIZE[1]), layout="constrained")

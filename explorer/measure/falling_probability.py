@@ -18,11 +18,13 @@ from explorer import compiled
 from explorer.measure import laws, statistics
 from explorer.measure.box_integrals import Integrator
 from explorer.measure.density import Density
+from explorer.measure.distributions import Distribution
 from explorer.measure.falling_constant import FallingConstant, constant_of, weight_on_f
+from explorer.measure.importance_sampling import Tube, smallest_tilts
 from explorer.measure.invariance import flow_stretch, push_forward
 from explorer.measure.laws import SHAPE_BINS, Estimate
-from explorer.measure.sampling import chunk_stream
-from explorer.measure.tubes import Draws, dimensions, draw_tube, widest_eta
+from explorer.measure.sampling import Stream, chunk_stream
+from explorer.measure.tubes import widest_eta
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, phi_to_states
 
@@ -44,11 +46,29 @@ Tubes = dict[str, Array]
 
 
 @dataclass(frozen=True)
+class Draws:
+    """States of a tube, one array entry each, in the units of the disk.
+
+    weight: the mean of weight times an indicator, over the draws, is the probability of the event within the
+    tube. Zero outside the tube, the box or the energies, and where the other face is nearer.
+    theta_min: smallest tilt of the whole motion (rad); NaN where status is not OK or the weight is zero.
+    """
+
+    phi: Array
+    phidot: Array
+    sigma3_bar: Array
+    eta_hat: Array
+    energy: Array
+    weight: Array
+    theta_min: Array
+    status: NDArray[np.int8]
+
+
+@dataclass(frozen=True)
 class FallingProbability:
     """P(theta_min < delta) for states of a disk drawn from a density, rung by rung.
 
-    deltas: the rungs (rad), largest first. accuracy: relative, of theta_min. samples: plain draws. scrambled:
-    whether the draws of a tube are Sobol points, each batch a scramble of its own.
+    deltas: the rungs (rad), largest first. accuracy: relative, of theta_min. samples: plain draws.
     """
 
     disk: Disk
@@ -57,7 +77,6 @@ class FallingProbability:
     accuracy: float
     samples: int
     seed: int
-    scrambled: bool
 
     @cached_property
     def law_limit(self) -> float:
@@ -97,15 +116,39 @@ class FallingProbability:
         They are the same for all seeds, so that runs can be merged.
         """
         random = chunk_stream(0, _EDGE_STREAM)
-        size = _EDGE_DRAWS, dimensions(self.source)
-        both = [self.draw(face, _EDGE_TILT, random.random(size)) for face in (1, -1)]
+        both = [self.draw(face, _EDGE_TILT, random, _EDGE_DRAWS) for face in (1, -1)]
         energies = np.concatenate([draws.energy[draws.weight > 0.0] for draws in both])
         inner = np.arange(1, _ENERGY_BINS) / _ENERGY_BINS
         return np.quantile(energies, inner) if energies.size > 10 * _ENERGY_BINS else np.zeros(0)
 
-    def draw(self, face: int, delta: float, points: Array) -> Draws:
-        """Draws in the tube of tilt delta beside the line of one face, from points of the unit cube."""
-        return draw_tube(self.disk, self.source, self.mass, face, delta, points, self.accuracy)
+    @cached_property
+    def _tubes_drawn(self) -> dict[tuple[int, float], Tube]:
+        """Tubes by face and tilt: their first draws serve all others."""
+        return {}
+
+    def draw(self, face: int, delta: float, random: Stream, count: int) -> Draws:
+        """Draws in the tube of tilt delta beside the line of one face."""
+        source = Distribution.of_density(self.disk, self.source)
+        tube = self._tubes_drawn.setdefault((face, delta), Tube(source, face, delta, 0.0))
+        drawn = tube.draw_beside_f(random, count)
+        place, unit = drawn.place, self.disk.rate_unit
+        sigma3, sigma4 = place.chart.rates(drawn.bar * unit, drawn.eta * unit)
+        given = face * np.arctan2(place.z, place.q), place.phidot * unit, sigma3, face * sigma4
+        energy = place.energy(drawn.bar, drawn.eta) * self.disk.energy_unit
+        low, high = self.source.energy
+        rows = np.flatnonzero((drawn.weight > 0.0) & drawn.within & (energy >= low) & (energy <= high))
+        weight, theta, status = np.zeros(count), np.full(count, np.nan), np.zeros(count, np.int8)
+        weight[rows] = self._over_factors * drawn.weight[rows]
+        if self.source.function is not None:
+            weight[rows] *= self.source.called(dict(zip(COORDINATES, (each[rows] for each in given), strict=True)))
+        theta[rows], status[rows] = smallest_tilts(drawn.states(self.disk, face, rows), 2, self.accuracy)
+        return Draws(*given[:2], drawn.bar * unit, drawn.eta * unit, energy, weight, theta, status)
+
+    @cached_property
+    def _over_factors(self) -> float:
+        """The integral of the factors of the density's coordinates over that of the density."""
+        factors = self.source.seen_from(self.disk, 1)
+        return math.prod(factors.factor_mass(name) for name in factors.box.free) / self.mass
 
     # What is counted
 
@@ -147,8 +190,6 @@ class FallingProbability:
     def _mean(self, tubes: Tubes, signs: tuple[float, float] = (1.0, 1.0)) -> Estimate:
         """P(theta_min < delta) by rung and face, states with eta_hat < 0 and > 0 with these signs."""
         sums, squares = tubes["sign"][..., 0, :] @ signs, tubes["sign"][..., 1, :].sum(axis=-1)
-        if self.scrambled:  # of Sobol points only the scrambles are independent
-            return laws.mean_of_batches(sums, tubes["draws"])
         return laws.mean_of_draws(sums, squares, tubes["draws"])
 
     # What the counts say
@@ -298,9 +339,9 @@ class FallingProbability:
         }
 
     def _convergence(self, tubes: Tubes) -> list[dict[str, Any]]:
-        """C from the first 1, 2, 4 ... batches of every tube; the spread of fewer than four says nothing."""
+        """C from the first 1, 2, 4 ... batches of every tube."""
         batches, tested, rows = tubes["draws"].shape[2], self.tested, []
-        for count in [2**j for j in range(2 * self.scrambled, 30) if 2**j < batches] + [batches]:
+        for count in [2**j for j in range(30) if 2**j < batches] + [batches]:
             some = {name: values[tested, :, :count] for name, values in tubes.items()}
             constant = laws.fit_constant(self.deltas[tested], laws.total(self._mean(some)))
             rows.append({"draws": int(some["draws"].sum()), **constant.described()})

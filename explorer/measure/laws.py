@@ -55,12 +55,6 @@ def mean_of_draws(sums: Array, squares: Array, draws: Array) -> Estimate:
     return Estimate(mean, np.sqrt(variance / (count - 1.0)), count - 1.0)
 
 
-def mean_of_batches(sums: Array, draws: Array) -> Estimate:
-    """The same where only batches are independent, equally large: their spread tells the error."""
-    means, count = sums / draws, sums.shape[-1]
-    return Estimate(means.mean(axis=-1), means.std(axis=-1, ddof=1) / count**0.5, count - 1.0)
-
-
 def total(parts: Estimate, weights: Any = 1.0, axis: int = -1) -> Estimate:
     """Weighted sums of independent estimates along an axis, degrees of freedom after Welch and Satterthwaite."""
     squares = (weights * parts.error) ** 2

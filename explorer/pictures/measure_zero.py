@@ -107,8 +107,7 @@ def constant_convergence(ax: Axes, summary: dict[str, Any]) -> None:
     off = np.array([row["value"] for row in rows]) / predicted - 1.0
     low, high = np.array([row["interval_95"] for row in rows]).T / predicted - 1.0
     ax.axhline(0.0, color=DARK, lw=1.2, label=f"quadrature over F: $C={predicted:.6f}$")
-    name = "scrambled Sobol points" if summary["sampling"] == "sobol" else "independent draws"
-    _bars(ax, draws, off, np.stack([off - low, high - off]), f"{name}, 95 %")
+    _bars(ax, draws, off, np.stack([off - low, high - off]), "independent draws, 95 %")
     guide = (high - off)[-1] * np.sqrt(draws[-1] / draws)
     ax.fill_between(draws, -guide, guide, color=DARK, alpha=0.08, lw=0, label=r"$\propto N^{-1/2}$")
     ax.set_xscale("log")

@@ -10,7 +10,6 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from explorer import compiled
@@ -20,19 +19,18 @@ from explorer.measure.density import Density
 from explorer.measure.falling_probability import FEWEST_HITS, FallingProbability
 from explorer.measure.sampling import Range, chunk_stream
 from explorer.measure.tallies import ByName, Histogram, count_status
-from explorer.measure.tubes import dimensions, widest_eta
+from explorer.measure.tubes import widest_eta
 from explorer.motion.plan import Plan, plan
 from explorer.motion.reference_samples import ReferenceSamples, ReferenceTilts, through_time
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels, turning_points
 from explorer.phase.arguments import read_range
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
-from explorer.scenes.options import Reader, option, whole_from, word_of
+from explorer.scenes.options import Reader, option, whole_from
 from explorer.scenes.scene import SAMPLES, Counts, Picture, Table
 from explorer.scenes.starts import FromDensity
 
-SCRAMBLES = 16  # batches of Sobol points: enough for an error from their spread
-_BATCH = 1 << 14  # independent draws per batch of a tube
+_BATCH = 1 << 14  # draws per batch of a tube; the last may have fewer
 _CHECKED = 256  # hits per chunk whose race is followed by integration,
 _CHECKED_BY = "dopri5"  # by this method
 
@@ -70,11 +68,6 @@ class MeasureZero(FromDensity):
     tube: int = option(
         whole_from(2, 10**9), "random states close to F, for each delta and each face", default=1 << 18
     )
-    sampling: str = option(
-        word_of("random", "sobol"),
-        "how states close to F are chosen: random, or sobol, which is more even",
-        default="random",
-    )
 
     tally, drawn = ZeroCounts, 3
     tried = 1 << 15  # of which one in ten is followed
@@ -95,12 +88,10 @@ class MeasureZero(FromDensity):
     def __post_init__(self) -> None:
         super().__post_init__()
         require_axial_inertia(self.disk)
-        if self.sampling == "sobol" and self.tube < 2 * SCRAMBLES:
-            raise InputError(f"tube {self.tube}: Sobol points come in {SCRAMBLES} scrambles; give more draws")
         if not {"sigma3", "sigma4"} & set(self.box.free):
             raise InputError(
                 "box: sigma3 and sigma4 are both fixed, so the falling set is met at isolated tilts or not at "
-                "all, and there are no tubes; give one of them a range (falling_constant gives C in Python)"
+                "all; give one of them a range"
             )
         if self.source.reaches_flat():
             raise InputError(
@@ -128,24 +119,19 @@ class MeasureZero(FromDensity):
     @cached_property
     def probability(self) -> FallingProbability:
         """What is asked, and what becomes of the counts."""
-        scrambled = self.sampling == "sobol"
-        return FallingProbability(
-            self.disk, self.source, self.deltas, self.accuracy, self.samples, self.seed, scrambled
-        )
+        return FallingProbability(self.disk, self.source, self.deltas, self.accuracy, self.samples, self.seed)
 
     # Chunks: batches of each tube, by rung and face; and then plain draws, so that a longer run keeps all chunks
     # of a shorter one.
 
     @property
-    def _batches(self) -> tuple[int, int]:
-        """How many a tube has, and the draws in each; of independent draws the last may have fewer."""
-        if self.sampling == "sobol":
-            return SCRAMBLES, 1 << int(np.log2(self.tube // SCRAMBLES))
-        return -(-self.tube // _BATCH), _BATCH
+    def _batches(self) -> int:
+        """How many a tube has."""
+        return -(-self.tube // _BATCH)
 
     @property
     def _in_tubes(self) -> int:
-        return 2 * self.deltas.size * self._batches[0]
+        return 2 * self.deltas.size * self._batches
 
     @property
     def chunks(self) -> int:
@@ -154,14 +140,13 @@ class MeasureZero(FromDensity):
     def length(self, index: int) -> int:
         if index >= self._in_tubes:
             return super().length(index - self._in_tubes)
-        count, draws = self._batches
-        return min(draws, self.tube - index % count * draws)
+        return min(_BATCH, self.tube - index % self._batches * _BATCH)
 
     def chunk(self, index: int) -> tuple[Table, ZeroCounts]:
         table, tally = self._plain(index) if index >= self._in_tubes else self._batch(index)
         tally.status += count_status(table["status"])
         # The first batches show what the draws and weights of every tube look like.
-        first = index < self._in_tubes and index % self._batches[0] == 0
+        first = index < self._in_tubes and index % self._batches == 0
         return (table if first and self.keep == "near" else self.kept(table)), tally
 
     def near(self, table: Table) -> NDArray[np.bool_]:
@@ -171,14 +156,9 @@ class MeasureZero(FromDensity):
 
     def _batch(self, index: int) -> tuple[Table, ZeroCounts]:
         """Draws in a tube. sigma3 and sigma4 are NaN: doubles do not hold such a small eta_hat as a difference."""
-        tube, count, tally = index // self._batches[0], self.length(index), ZeroCounts()
+        tube, count, tally = index // self._batches, self.length(index), ZeroCounts()
         rung, face = tube // 2, 1 if tube % 2 == 0 else -1
-        random, size = chunk_stream(self.seed, index), dimensions(self.source)
-        if self.sampling == "sobol":
-            points = scipy.stats.qmc.Sobol(size, scramble=True, bits=53, rng=random).random(count)
-        else:
-            points = random.random((count, size))
-        draws = self.probability.draw(face, float(self.deltas[rung]), points)
+        draws = self.probability.draw(face, float(self.deltas[rung]), chunk_stream(self.seed, index), count)
         tally.batches += [self.probability.batch(rung, face, draws)]
         table = {
             **vars(draws),
@@ -240,10 +220,6 @@ class MeasureZero(FromDensity):
         of_f = "falling.critical_X2_batch", "falling.barrier_batch", "falling.line_chart_batch"
         own = "algebra.constants_batch", *of_f, _checking().kernel
         return *own, *tilt_kernels(self.plan), *invariance.kernels()
-
-    @property
-    def plans(self) -> tuple[Plan, ...]:
-        return *super().plans, _checking(), invariance.following()
 
     def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
         """Plain draws that are followed; those in tubes have their tilt from a formula."""

@@ -1,4 +1,4 @@
-"""The trade of a scene: on the very samples that the scene draws; stored, it decides what an accuracy means."""
+"""The trade of a scene is measured on the very samples that the scene draws."""
 
 import json
 
@@ -9,18 +9,8 @@ from conftest import BODIES
 import explorer as ex
 from explorer.commands import main as cli
 from explorer.commands import trade, trade_report
-from explorer.motion import calibration
-from explorer.motion.plan import plan
 from explorer.motion.work_precision import ASKED
 from explorer.scenes.scene import scene_class
-
-
-@pytest.fixture
-def private(private, monkeypatch):
-    """A calibration file of the test's own, and only few samples of other bodies."""
-    monkeypatch.setattr(trade, "BODIES", (BODIES["uniform"],))
-    monkeypatch.setattr(trade, "_OF_EACH_BODY", (64, 2))
-    return private
 
 
 def test_passages_of_a_trade_are_those_of_the_run():
@@ -90,50 +80,6 @@ def test_without_a_scene_passages_at_all_distances_are_measured():
     assert trade.scene_for(None, {"eta_hat": "1e-3:1e-2"}).eta_hat == (1e-3, 1e-2)
 
 
-def test_a_stored_trade_decides_what_an_accuracy_means(private, traded):
-    before = {kind: plan((kind,), 1e-6, "rk8").control for kind in ("race_angle", "chi")}
-    start = {"sigma3_bar": 1.0, "eta_hat": [1e-3, -1e-6], "phidot": 1.0}
-    found = ex.passages(BODIES["hoop"], **start, method="rk8")
-    table = trade.calibrate(traded)
-    # a machine on which every setting errs a thousand times more
-    for rows in table["methods"].values():
-        rows[:] = [entry and (1e3 * entry[0], entry[1]) for entry in rows]
-    assert calibration.store(table) == private
-    assert "this machine" in plan(("chi",), 1e-6).reason
-    assert plan(("race_angle",), 1e-6, "rk8").control < 0.6 * before["race_angle"]
-    finer = ex.passages(BODIES["hoop"], **start, method="rk8")
-    assert (found.race_angle != finer.race_angle).all()
-    assert np.allclose(found.race_angle, finer.race_angle, rtol=0.0, atol=1e-6)
-
-
-def test_a_stored_trade_decides_which_method_is_chosen(private, traded):
-    table = trade.calibrate(traded)
-    rows = table["methods"]["dop853"]
-    # a machine on which order eight is absurdly dear, and one on which it is cheap
-    rows[:] = [entry and (entry[0], 1e6 * entry[1]) for entry in rows]
-    calibration.store(table)
-    assert plan(("chi",), 1e-9).method == "dopri5"
-    rows[:] = [entry and (entry[0], 1e-9 * entry[1]) for entry in rows]
-    calibration.store(table)
-    assert plan(("chi",), 1e-3).method == "dop853"
-
-
-def test_a_calibration_says_what_it_was_measured_on(private, traded):
-    traded.store()
-    stored = json.loads(private.read_text())
-    assert stored["measured_on"]["scene"] == "race-angles"
-
-
-def test_samples_on_which_errors_do_not_fall_calibrate_nothing(private, traded):
-    from dataclasses import replace
-
-    passages, motions = traded.parts
-    stuck = replace(passages, rows=[replace(row, p99=0.1) for row in passages.rows])
-    with pytest.raises(ex.InputError, match="cannot calibrate"):
-        replace(traded, parts=[stuck, motions]).store()
-    assert not private.exists()
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -145,16 +91,16 @@ def test_samples_on_which_errors_do_not_fall_calibrate_nothing(private, traded):
         (["race-angles", "--grid", "3"], "unrecognized arguments: --grid 3"),
     ],
 )
-def test_bad_arguments_are_named_before_anything_is_measured(private, arguments, message, capsys, tmp_path):
+def test_bad_arguments_are_named_before_anything_is_measured(arguments, message, capsys, tmp_path):
     out = tmp_path / "t"
-    assert cli.main(["trade", *arguments, "--no-store", "--out", str(out), "--quiet"]) == 2
+    assert cli.main(["trade", *arguments, "--out", str(out), "--quiet"]) == 2
     assert message in capsys.readouterr().err
     assert not out.exists()
 
 
-def test_a_folder_that_cannot_be_written_is_named(private, tmp_path, capsys):
+def test_a_folder_that_cannot_be_written_is_named(tmp_path, capsys):
     (tmp_path / "file").write_text("")
-    assert cli.main(["trade", "--samples", "300", "--no-store", "--out", str(tmp_path / "file")]) == 2
+    assert cli.main(["trade", "--samples", "300", "--out", str(tmp_path / "file")]) == 2
     assert "cannot be written" in capsys.readouterr().err
 
 
@@ -165,25 +111,22 @@ def test_too_few_states_are_refused_by_their_number():
 
 
 @pytest.mark.rendered
-def test_the_command_prints_writes_and_stores(private, tmp_path, capsys):
+def test_the_command_prints_and_writes(tmp_path, capsys):
     out = tmp_path / "out"
     common = ["trade", "race-angles", "--samples", "300", "--motions", "64", "--out", str(out), "--quiet"]
     assert cli.main([*common, "--disk", "hoop", "--json"]) == 0
-    assert private.exists()
     printed = json.loads(capsys.readouterr().out)
     assert printed["scene"]["disks"][0]["name"] == "hoop"
     assert [part["kind"] for part in printed["parts"]] == ["passages", "motions"]
-    assert len(printed["parts"][0]["asked"]) == 5 * len(ASKED)
+    assert len(printed["parts"][0]["rows"]) == 5 * len(ASKED) + 1
     assert (out / "trade.png").stat().st_size > 10_000
-    assert "Stored for this machine" in (out / "README.md").read_text("utf-8")
 
 
 def test_the_page_says_what_was_measured_and_by_which_command(traded, tmp_path):
-    trade_report.write(traded.scene, traded.parts, tmp_path, "nearflat trade race-angles", None)
+    trade_report.write(traded.scene, traded.parts, tmp_path, "nearflat trade race-angles")
     page = (tmp_path / "README.md").read_text("utf-8")
     assert "Made by `nearflat trade race-angles`" in page
     assert page.count("\n## ") == 2
-    assert "Stored for this machine" not in page
     assert (tmp_path / "trade.png").exists()
     assert str(traded) in page
     assert repr(traded) == "Trade of race-angles, hoop: 300 passages, 64 motions; print it for its tables"

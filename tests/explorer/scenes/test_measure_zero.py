@@ -56,9 +56,8 @@ def few():
         {"box": "phi=-1.5:1.5", "energy": ":3"},
         {"box": "phi=-0.5:1,sigma4=0.3"},
         {"box": "phi=0.2", "gaussian": "sigma3=0:0.7,phidot=0.5:0.4"},
-        {"sampling": "sobol"},
     ],
-    ids=["vertical", "tilted", "energy", "fixed", "gaussian", "sobol"],
+    ids=["vertical", "tilted", "energy", "fixed", "gaussian"],
 )
 def test_slope_and_constant_are_those_of_codimension_one(disk, options):
     """Every estimate within 4 standard errors, and errors as small as the draws allow."""
@@ -102,14 +101,12 @@ def test_probability_splits_as_predicted(uniform):
 
 
 def test_the_correction_to_the_law_shrinks_like_delta():
-    """P/(C delta) - 1 at delta = 0.1 and 0.01 differ by about ten; Sobol points see it."""
-    found = summary_of(samples=4096, tube=1 << 14, sampling="sobol", ladder="1e-6:1e-1")
+    """P/(C delta) - 1 at delta = 0.3 and 0.03 differ by about ten."""
+    found = summary_of(samples=4096, tube=1 << 16, ladder="3e-7:3e-1")
     corrections = [row["correction"] for row in found["splits"]["eta_positive"]]
-    assert corrections[0] < -0.05
-    assert 0.04 < corrections[1] / corrections[0] < 0.2
-    assert abs(corrections[3]) < 1e-3
-    alone = summary_of(samples=4096, tube=1 << 14, ladder="1e-6:1e-1")
-    assert alone["constant"]["error"] > 1.5 * found["constant"]["error"]
+    assert corrections[0] < -0.1
+    assert 0.08 < corrections[1] / corrections[0] < 0.16
+    assert abs(corrections[2]) < 5e-3
 
 
 def test_plain_draws_come_last_so_that_a_longer_run_keeps_all_chunks(few):
@@ -199,7 +196,7 @@ def test_a_density_given_in_python_is_sampled_and_identified():
 
 
 def test_options_come_back_from_json():
-    options = {"energy": "1.2:4", "gaussian": "sigma3=0.5:1", "box": "phi=-1:1", "sampling": "sobol"}
+    options = {"energy": "1.2:4", "gaussian": "sigma3=0.5:1", "box": "phi=-1:1"}
     scene = MeasureZero(samples=1000, tube=512, ladder="1e-7:1e-1", **options)
     assert scene_of(json.loads(json.dumps(scene.options))) == scene
 
@@ -211,15 +208,14 @@ def test_options_come_back_from_json():
         ({"ladder": "1e-1:1e-15"}, "LOW:HIGH"),
         ({"ladder": "1e-4:1e-1"}, "two rungs at or below"),
         ({"ladder": "1e-6:1e-1", "box": "sigma3=-1e-3:1e-3"}, "two rungs at or below 8"),
-        ({"gaussian": "phidot=1e9:1"}, "more than 37 deviations"),
+        ({"gaussian": "phidot=1e9:1"}, "at most 37 deviations outside"),
         ({"energy": ":0.5"}, "energy: only 0 of"),
         ({"box": "sigma3=1e300:2e300"}, "rates beyond"),
         ({"disk": "m=1,r=1,g=1,I1=1,I3=1e-6"}, "too steep"),
         ({"density": lambda phi, *_: np.random.default_rng().random(phi.size)}, "call to call"),
         ({"ladder": (-1.5, 0.3)}, "with 1e-100 <= LOW"),
         ({"tube": 1}, "tube"),
-        ({"tube": 20, "sampling": "sobol"}, "16 scrambles"),
-        ({"sampling": "halton"}, "sampling"),
+        ({"sampling": "halton"}, "takes no such option"),
         ({"box": "sigma3=0,sigma4=0"}, "both fixed"),
         ({"box": f"phi=0:{0.5 * math.pi!r}"}, "delta ln"),
         ({"disk": "m=1,r=1,g=1,I1=0.5,I3=0"}, "I3"),

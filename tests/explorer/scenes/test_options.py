@@ -32,7 +32,6 @@ GIVEN = {
         "box": "phi=-1:1",
         "ladder": "1e-7:1e-1",
         "tube": "512",
-        "sampling": "sobol",
     },
     "one-sided": {
         "disk": "m=2,r=0.3,g=9.81,I1=0.05,I3=0.06",
