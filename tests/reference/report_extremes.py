@@ -12,7 +12,6 @@ import numpy as np
 from motions import MOTIONS, PASSAGES, of_one_body
 
 import explorer as ex
-from explorer.phase.lines import motion_given
 
 OUT = Path(__file__).parents[2] / "results" / "extremes"
 LADDER = (1e-11, 1e-8, 1e-5, 1e-2)
