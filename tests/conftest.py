@@ -17,7 +17,6 @@ from wandering import resonant_and_paths
 import explorer as ex
 from explorer import compiled
 from explorer.commands.calls import trade
-from explorer.motion import calibration
 
 settings.register_profile("nearflat", deadline=None, max_examples=40, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("nearflat")
@@ -89,16 +88,6 @@ def resonant(made_once):
 def wanders(made_once):
     """Paths of a generic motion of the uniform disk and of the resonant one."""
     return made_once("wanders", lambda: resonant_and_paths(BODIES["uniform"]))[1]
-
-
-@pytest.fixture
-def private(tmp_path, monkeypatch):
-    """A calibration file of the test's own, which does not exist yet."""
-    path = tmp_path / "calibration.json"
-    monkeypatch.setenv("NEARFLAT_CALIBRATION", str(path))
-    calibration.current.cache_clear()
-    yield path
-    calibration.current.cache_clear()
 
 
 @pytest.fixture(scope="session")

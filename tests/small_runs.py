@@ -4,8 +4,8 @@ import numpy as np
 
 from explorer.measure import laws
 from explorer.measure.falling_constant import constant_of
+from explorer.measure.falling_probability import FallingProbability
 from explorer.measure.laws import Estimate
-from explorer.measure.tubes import dimensions, draw_tube
 
 SMALL_RACES = {"samples": 3000, "seed": 5, "eta_hat": "1e-4:1e-2", "chunk_size": 700}
 DELTAS = np.array([1e-5, 1e-8, 1e-11, 1e-14])
@@ -22,8 +22,7 @@ def coverage(disk, density, runs, draws, seed):
     for k, delta in enumerate(DELTAS):
         values, squares = np.zeros(runs), np.zeros(runs)
         for face in (1, -1):
-            points = random.random((runs * draws, dimensions(density)))
-            found = draw_tube(disk, density, constant.mass, face, delta, points, 1e-4)
+            found = FallingProbability(disk, density, DELTAS, 1e-4, 1, 0).draw(face, delta, random, runs * draws)
             hits = (found.weight * (found.theta_min < delta)).reshape(runs, draws)
             values += hits.mean(axis=1)
             squares += hits.var(axis=1, ddof=1) / draws

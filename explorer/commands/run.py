@@ -17,7 +17,7 @@ from explorer.scenes.scene import NAMES, Scene, read_scene_file, scene_class
 if TYPE_CHECKING:
     from explorer.runs.run import Run
 
-_APART = ("scene", "command", "command_line", "call", "json", "quiet", "no_store")  # which are no options of a run
+_APART = ("scene", "command", "command_line", "call", "json", "quiet")  # which are no options of a run
 
 
 def add_scene(command: argparse.ArgumentParser, words: Sequence[str], text: str = "", **how: Any) -> type[Scene]:

@@ -7,18 +7,16 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from explorer import compiled
 from explorer.commands import Answer
-from explorer.errors import InputError, flag, note, positive
+from explorer.errors import flag, note, positive
 from explorer.measure.sampling import Range
-from explorer.motion import calibration
 from explorer.motion.reference_samples import ReferencePassages, ReferenceSamples, through_time
 from explorer.motion.vertical import starts_at_vertical
-from explorer.motion.work_precision import Measured, Row, curves, largest_errors, measure
+from explorer.motion.work_precision import Measured, Row, measure
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.paths import made_folder
 from explorer.phase.states import constants_to_states
-from explorer.scenes.options import DISK, FOLDER, RANGE, RANGES, TRUTH, Options, Reader, option, whole_from
+from explorer.scenes.options import DISK, FOLDER, RANGE, RANGES, Options, Reader, option, whole_from
 from explorer.scenes.race_angles import NearF, start_of
 from explorer.scenes.scene import joined
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT
@@ -28,14 +26,13 @@ _REFERENCE = {
     "motions": "rk8 with steps far finer than any accuracy needs",
 }
 _ABOUT = """Times are those of `passages` and `simulate`: processor time of one core, without compile time, the
-least of several interleaved rounds. Compare them only within this page. Each setting is judged at the accuracy
-for which it would be chosen, which is twice its error. At that accuracy, *unresolved* is the share of samples
+least of several interleaved rounds. Compare them only within this page. *Unresolved* is the share of samples
 whose side of the falling set F is unknown, *refused* the share without an answer for another reason, and
 *wrong_way* counts samples that came out on the other side of F. No other integrator is as fast and as accurate
 as those *on_front*."""
 # The columns of a table, with their formats
 _COLUMNS = {
-    **{"method": "", "setting": ".2g", "median": ".0e", "p99": ".0e", "largest": ".0e"},
+    **{"method": "", "accuracy": ".0e", "median": ".0e", "p99": ".0e", "largest": ".0e"},
     **{"evaluations": ".0f", "nanoseconds": ".0f", "unresolved": ".1%", "refused": ".1%"},
     **{"wrong_way": "", "on_front": ""},
 }
@@ -84,10 +81,9 @@ class Trading(Options):
 
 
 class Asked(Trading):
-    """What becomes of the numbers."""
+    """Where it goes."""
 
     out: Path = option(FOLDER, "folder", default=Path("results/trade"))
-    store: bool = option(TRUTH, "let later runs on this machine use the measured costs", default=True)
 
 
 @dataclass(frozen=True, repr=False)
@@ -113,33 +109,8 @@ class Trade:
 
     @property
     def rows(self) -> list[Row]:
-        """Every method at every setting, of all parts."""
+        """Every method at every accuracy, of all parts."""
         return [row for part in self.parts for row in part.rows]
-
-    @property
-    def asked(self) -> list[Row]:
-        """Every method at every accuracy asked, of all parts."""
-        return [row for part in self.parts for row in part.asked]
-
-    def store(self) -> Path:
-        """Keep it as the calibration of this machine, which `accuracy` and `method="auto"` use from then on.
-
-        Costs are as measured here. Errors depend on no machine: they are those that come with nearflat, which hold
-        for other bodies too, or larger ones that were measured here.
-
-        Returns
-        -------
-        Path
-            The file, which may be deleted.
-
-        Raises
-        ------
-        InputError
-            If these samples do not let a method's error fall with its setting.
-        RunError
-            If it cannot be written.
-        """
-        return calibration.store(calibrate(self))
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{part.samples:,} {part.kind}" for part in self.parts)
@@ -157,43 +128,15 @@ def measured(asked: Trading) -> Trade:
     return Trade(asked.scene, parts)
 
 
-def calibrate(found: Trade) -> dict[str, Any]:
-    """The table for `calibration`. Raises InputError."""
-    passages = found.parts[0]
-    errors = largest_errors([part.rows for part in found.parts], [calibration.shipped_errors()])
-    table = {
-        "kernels": compiled.source_digest(),
-        "measured_on": found.scene.options,
-        "settings": calibration.SETTINGS,
-        "quadrature": [row.nanoseconds for row in passages.rows if row.method == "quadrature"][-1],
-        "methods": curves(passages, errors),
-    }
-    try:
-        calibration.parse(table, "")
-    except ValueError as error:
-        raise InputError(
-            f"trade: {error} on these samples, so they cannot calibrate; --no-store keeps what is there"
-        ) from None
-    return table
-
-
 def _lines(part: Measured) -> list[str]:
-    """What was measured, in words and as Markdown tables: at every setting, and at the accuracies asked."""
+    """What was measured, in words and as a Markdown table."""
+    cells = [[format(getattr(row, name), form) for name, form in _COLUMNS.items()] for row in part.rows]
     return [
         f"{part.samples:,} {part.kind}, {part.known:,} with a known answer. Error: {part.error}, against",
         f"{_REFERENCE[part.kind]}. *nanoseconds*: for a {part.unit}.",
         "",
-        *_table(part.rows),
-        "",
-        "The same at the settings that accuracies choose; here *setting* is the accuracy:",
-        "",
-        *_table(part.asked),
+        *(f"| {' | '.join(line)} |" for line in ([*_COLUMNS], ["---"] * len(_COLUMNS), *cells)),
     ]
-
-
-def _table(rows: Sequence[Row]) -> list[str]:
-    cells = [[format(getattr(row, name), form) for name, form in _COLUMNS.items()] for row in rows]
-    return [f"| {' | '.join(line)} |" for line in ([*_COLUMNS], ["---"] * len(_COLUMNS), *cells)]
 
 
 def write(found: Trade, out: Path, command: str) -> None:
@@ -223,11 +166,10 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
 
 
 def call(options: argparse.Namespace) -> Answer:
-    """Measure, keep what was found for this machine, and write the page."""
+    """Measure, and write the page."""
     asked = Asked.of({**Asked.said(options), "progress": False if options.quiet else None})
     made_folder("out", asked.out)
     found = measured(asked)
-    kept = f" Calibration kept in {found.store()}." if asked.store else ""
     write(found, asked.out, options.command_line)
     record = {"scene": found.scene.options, "parts": [asdict(part) for part in found.parts]}
-    return Answer(record, f"{found}\n\nTables and picture are in {asked.out}.{kept}")
+    return Answer(record, f"{found}\n\nTables and picture are in {asked.out}.")

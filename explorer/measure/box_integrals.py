@@ -75,12 +75,12 @@ def within_energy(
     return panels_between([np.maximum(ends[0], -reach), *both, *inner, np.minimum(ends[1], reach)], nodes)
 
 
-def ends_of_bar(*limits: tuple[Array, float, float, Array | float]) -> tuple[Array, Array]:
-    """Ends of sigma3_bar with low - slack <= m sigma3_bar <= high + slack for every (m, low, high, slack)."""
+def ends_of_bar(*limits: tuple[Array, float, float]) -> tuple[Array, Array]:
+    """Ends of sigma3_bar with low <= m sigma3_bar <= high for every (m, low, high)."""
     low, high = np.full(limits[0][0].shape, -np.inf), np.full(limits[0][0].shape, np.inf)
-    for m, first, last, slack in limits:
+    for m, first, last in limits:
         with np.errstate(divide="ignore", invalid="ignore"):
-            one, other = (first - slack) / m, (last + slack) / m
+            one, other = first / m, last / m
         low, high = np.fmax(low, np.fmin(one, other)), np.fmin(high, np.fmax(one, other))
     return low, high
 

@@ -70,21 +70,14 @@ class Density:
             raise InputError(f"energy {low:g}:{high:g} is empty; give LOW:HIGH, the smaller number first")
         for name, (mean, deviation) in self.gaussian:
             told = f"gaussian {pair_said(name, mean, deviation)}"
-            if name not in self.box.ranges:
-                there = ", ".join(self.box.ranges)
-                raise InputError(f"{told}: box has {there}; give one of them, or a box that has {name}")
+            if name not in self.box.free:
+                raise InputError(f"{told}: box has no range for {name}, only for {', '.join(self.box.free)}")
             low, high = self.box.ranges[name]
-            if low == high:
-                raise InputError(f"{told}: the box fixes it; give {name} a range in box")
-            if not (math.isfinite(mean) and _THINNEST * (high - low) <= deviation < math.inf):
+            outside = max(low - mean, mean - high) > _NOTHING * deviation
+            if outside or not (math.isfinite(mean) and _THINNEST * (high - low) <= deviation < math.inf):
                 raise InputError(
-                    f"{told}: write MEAN:DEVIATION, the latter above {_THINNEST:g} of the range in box; "
-                    f"a thinner one is a point: fix {name} there"
-                )
-            if max(low - mean, mean - high) > _NOTHING * deviation:
-                raise InputError(
-                    f"{told}: the box lies more than {_NOTHING:g} deviations from the mean, where nothing is left "
-                    "of it; move the mean or the box"
+                    f"{told}: write MEAN:DEVIATION, the deviation at least {_THINNEST:g} of the range in box, and "
+                    f"the mean at most {_NOTHING:g} deviations outside of it"
                 )
         if self.function is not None and not callable(self.function):
             raise InputError(f"density = {shown(self.function)} cannot be called; give a function of arrays")
@@ -135,7 +128,7 @@ class Density:
         low, high = self.energy
 
         def function(*columns: Array) -> Array:
-            return self._called({name: units[name] * column for name, column in zip(units, columns, strict=True)})
+            return self.called({name: units[name] * column for name, column in zip(units, columns, strict=True)})
 
         return Density(
             Box(**{name: _in_units(self.box.ranges[name], unit) for name, unit in units.items()}),
@@ -163,7 +156,7 @@ class Density:
         for name, _ in self.gaussian:
             values *= self.factor(name, columns[name])
         if self.function is not None:
-            values *= self._called(columns)
+            values *= self.called(columns)
         return values
 
     def factor(self, name: str, values: Array) -> Array:
@@ -172,7 +165,8 @@ class Density:
         bell: Array = np.exp(-0.5 * ((values - mean) / deviation) ** 2)
         return bell
 
-    def _called(self, columns: dict[str, Array]) -> Array:
+    def called(self, columns: dict[str, Array]) -> Array:
+        """The function at coordinates by name. Raises InputError where it is no density."""
         assert self.function is not None
         first = next(iter(columns.values()))
         count, shape = first.size, first.shape
@@ -188,15 +182,6 @@ class Density:
                 f"density: is {values[bad[0]]} at {where}; a density is finite and not negative in all of the box"
             )
         return values.reshape(shape)
-
-    def inside(self, phi: Array, phidot: Array, sigma3: Array, sigma4: Array, energy: Array) -> NDArray[np.bool_]:
-        """True for states in the box and in the range of energy; fixed coordinates are taken for granted."""
-        good = (energy >= self.energy[0]) & (energy <= self.energy[1])
-        for name, column in zip(COORDINATES, (phi, phidot, sigma3, sigma4), strict=True):
-            if name in self.box.free:
-                low, high = self.box.ranges[name]
-                good &= (column >= low) & (column <= high)
-        return good
 
     def draw(self, disk: Disk, random: Stream, count: int) -> dict[str, Array]:
         """`count` states, drawn from the density by rejection; Gaussians by their inverse.
@@ -215,7 +200,7 @@ class Density:
                 energy = self.box.states(disk, drawn).motion.energy * disk.energy_unit
                 good = (energy >= self.energy[0]) & (energy <= self.energy[1])
             if self.function is not None:
-                values = self._called(drawn)
+                values = self.called(drawn)
                 if values.max() > self._bound:
                     raise InputError(
                         f"density: is {values.max():g}, more than {_HEADROOM:g} times its largest value at "
@@ -280,7 +265,7 @@ class Density:
     @cached_property
     def _bound(self) -> float:
         """A value that the function is taken not to exceed."""
-        return _HEADROOM * float(self._called(self._searched).max())
+        return _HEADROOM * float(self.called(self._searched).max())
 
     def reaches_flat(self) -> bool:
         """True where it does not vanish at flat and the energy has no bound: there is no C then."""
@@ -303,8 +288,8 @@ class Density:
             described["gaussian"] = {name: list(pair) for name, pair in self.gaussian}
         if self.function is not None:
             points = self.box.draw(np.random.Generator(np.random.Philox(0)), _IDENTIFYING)
-            values = self._called(points)
-            if (values != self._called(points)).any():
+            values = self.called(points)
+            if (values != self.called(points)).any():
                 raise InputError("density: it changes from call to call; give a function of the state alone")
             digest = hashlib.sha256(values.astype("<f8").tobytes()).hexdigest()
             described["density"] = {

@@ -7,11 +7,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from explorer.errors import InputError, double_of, shown, sign, suggest
-from explorer.measure.sampling import Stream
+from explorer.measure.density import Density
+from explorer.measure.sampling import Range, Stream
 from explorer.phase.arguments import read_range
-from explorer.phase.coordinates import Chart, chart_of, warn_of_degrees
+from explorer.phase.coordinates import Chart, chart_of, recognise, warn_of_degrees
 from explorer.phase.disk import Disk
 from explorer.phase.lines import line_chart, line_slope
 from explorer.phase.states import Array, States
@@ -79,6 +81,14 @@ class Coordinate:
             return np.nan_to_num(np.asarray(self.law.pdf(values / self.unit)) / self.unit, nan=0.0)
 
     @cached_property
+    def spread(self) -> float:
+        """Between which half of its values lie: how far from each other; 0 of a number."""
+        if not self.free:
+            return 0.0
+        low, high = self.law.ppf([0.25, 0.75])
+        return float(high - low) * self.unit
+
+    @cached_property
     def nodes(self) -> Array:
         """Values between which its density changes little, far into its tails; the one of a number."""
         if not self.free:
@@ -121,6 +131,31 @@ def _by_name(name: str, text: str) -> Any:
 
 
 @dataclass(frozen=True)
+class Factor:
+    """A coordinate's own factor of a density, as far as a frozen distribution of scipy.stats is asked here."""
+
+    density: Density
+    name: str
+
+    def rvs(self, size: int, random_state: Stream) -> Array:
+        return self.ppf(random_state.random(size))
+
+    def pdf(self, values: Array) -> Array:
+        low, high = self.support()
+        bell = self.density.factor(self.name, values) if self.density.means(self.name) else np.ones(values.shape)
+        return np.where((values >= low) & (values <= high), bell / self.density.factor_mass(self.name), 0.0)
+
+    def ppf(self, share: ArrayLike) -> Array:
+        return self.density.quantile(self.name, np.asarray(share))
+
+    def isf(self, share: Array) -> Array:
+        return self.ppf(1.0 - share)
+
+    def support(self) -> Range:
+        return self.density.box.ranges[self.name]
+
+
+@dataclass(frozen=True)
 class Distribution:
     """Independent coordinates of one chart: which tilt, which speed, and which pair stands for the spins.
 
@@ -146,6 +181,15 @@ class Distribution:
         if "tilt" in found and not degrees:
             warn_of_degrees(np.atleast_1d(np.median(found["tilt"].nodes)), 5)
         return cls(disk, chart, found, face)
+
+    @classmethod
+    def of_density(cls, disk: Disk, density: Density) -> "Distribution":
+        """The factors of a density's coordinates, without what else it is times."""
+        found = {
+            name: Coordinate(name, Factor(density, name) if density.free(name) else None, low, 1.0, "")
+            for name, (low, _) in density.box.ranges.items()
+        }
+        return cls(disk, recognise(found), found, 1)
 
     @property
     def tilt(self) -> Coordinate:

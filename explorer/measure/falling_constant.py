@@ -57,7 +57,7 @@ class FallingConstant(Table):
     ----------
     value : float
         C. It is infinite where the density does not vanish at flat and the energy has no bound, since
-        P(theta_min < delta) is of order delta ln(1/delta) there; and for sigma3 = sigma4 = 0, where all fall.
+        P(theta_min < delta) is of order delta ln(1/delta) there.
     error : float
         Estimate of its absolute error.
     plus, minus : float
@@ -151,6 +151,11 @@ def falling_constant(
 
 def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> FallingConstant:
     """As falling_constant, of a Density; tolerance: relative error to try for."""
+    if not (density.free("sigma3") or density.free("sigma4")):
+        raise InputError(
+            "box: sigma3 and sigma4 are both fixed, so the falling set is met at single tilts or not at all; give "
+            "one of them a range"
+        )
     # What overflows is refused by what comes of it.
     with np.errstate(over="ignore", invalid="ignore"):
         mass = Integrator(disk, density.seen_from(disk, 1), tolerance).mass()
@@ -160,8 +165,7 @@ def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> F
         raise InputError(f"{factor}: the density is zero in all of the box; widen one of them")
     if mass.value < _LEAST_MASS and density.function is not None:
         raise InputError(f"density: its integral is {mass.value:.1e}, and loses its digits; multiply it by 1e300")
-    # Of the inverted pendulum, sigma3 = sigma4 = 0, all falls.
-    if density.reaches_flat() or density.box.ranges["sigma3"] == density.box.ranges["sigma4"] == (0.0, 0.0):
+    if density.reaches_flat():
         return FallingConstant(math.inf, math.inf, math.inf, math.inf, mass.value)
     with np.errstate(over="ignore", invalid="ignore"):
         parts = _over_f(disk, density, tolerance)
@@ -216,13 +220,9 @@ class LineIntegral:
 
     def integral(self) -> Integral:
         """Integral of f 2 A sqrt(I1 M)/(I3 r(0)) over phi, phidot and sigma3_bar."""
-        density, crossings = self.of.density, self._crossings()
-        if density.free("sigma3") or density.free("sigma4"):
-            # Between the crossings the line enters and leaves the box: a narrow box is met nowhere else.
-            barriers = (-math.acos(1.0 - spent) for spent in self._spent if spent < 2.0)
-            pieces = self.of.pieces(self.energy, well(self.of.disk).phi, *barriers, *crossings)
-        else:
-            pieces = [(x, x) for x in crossings]
+        # Between the crossings the line enters and leaves the box: a narrow box is met nowhere else.
+        barriers = (-math.acos(1.0 - spent) for spent in self._spent if spent < 2.0)
+        pieces = self.of.pieces(self.energy, well(self.of.disk).phi, *barriers, *self._crossings())
         return self.of.over_tilts(self._at, pieces)
 
     @property
@@ -259,7 +259,7 @@ class LineIntegral:
         density = self.of.density
         if not (density.free("sigma3") and density.free("sigma4")):
             return [self._only_bar(phi, a, c)] * 2
-        ends = ends_of_bar((a, *density.reach("sigma3"), 0.0), (c, *density.reach("sigma4"), 0.0))
+        ends = ends_of_bar((a, *density.reach("sigma3")), (c, *density.reach("sigma4")))
         barriers = self._barrier_ends(phi, curvature)
         means = [mean / m for name, m in (("sigma3", a), ("sigma4", c)) for mean in density.means(name)]
         inner = [np.zeros_like(a), *barriers, *(-end for end in barriers), *means]
@@ -287,13 +287,7 @@ class LineIntegral:
     def _only_bar(self, phi: Array, a: Array, c: Array) -> tuple[Array, Array]:
         """The one sigma3_bar at which the line meets a box that fixes sigma3 or sigma4, and its weight."""
         density = self.of.density
-        free3, free4 = density.free("sigma3"), density.free("sigma4")
-        if not (free3 or free4):
-            # On the line sigma3 = a bar and sigma4 = c bar; the larger of the two says bar best.
-            b, q, s3, s4 = self.of.disk.body, np.cos(phi), density.reach("sigma3")[0], density.reach("sigma4")[0]
-            # The flow along the line says how eta_hat changes with the tilt.
-            slope = a * s3 / (b.J * q) - b.k * q * c * s4
-            return ((a * s3 + c * s4) / (a * a + c * c))[:, None], (1.0 / abs(slope))[:, None]
+        free3 = density.free("sigma3")
         fixed, other, m, n = ("sigma4", "sigma3", c, a) if free3 else ("sigma3", "sigma4", a, c)
         bar = density.reach(fixed)[0] / m
         low, high = density.reach(other)

@@ -18,11 +18,13 @@ from explorer import compiled
 from explorer.measure import laws, statistics
 from explorer.measure.box_integrals import Integrator
 from explorer.measure.density import Density
+from explorer.measure.distributions import Distribution
 from explorer.measure.falling_constant import FallingConstant, constant_of, weight_on_f
+from explorer.measure.importance_sampling import Tube, smallest_tilts
 from explorer.measure.invariance import flow_stretch, push_forward
 from explorer.measure.laws import SHAPE_BINS, Estimate
-from explorer.measure.sampling import chunk_stream
-from explorer.measure.tubes import Draws, dimensions, draw_tube, widest_eta
+from explorer.measure.sampling import Stream, chunk_stream
+from explorer.measure.tubes import widest_eta
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, phi_to_states
 
@@ -41,6 +43,25 @@ _FOLLOWED, _INVARIANCE, _LATER = 256, (1 << 40) + 1, 5.0
 
 # Columns of `FallingProbability.batch`: arrays (rungs, 2 faces, batches, ...), face +1 first.
 Tubes = dict[str, Array]
+
+
+@dataclass(frozen=True)
+class Draws:
+    """States of a tube, one array entry each, in the units of the disk.
+
+    weight: the mean of weight times an indicator, over the draws, is the probability of the event within the
+    tube. Zero outside the tube, the box or the energies, and where the other face is nearer.
+    theta_min: smallest tilt of the whole motion (rad); NaN where status is not OK or the weight is zero.
+    """
+
+    phi: Array
+    phidot: Array
+    sigma3_bar: Array
+    eta_hat: Array
+    energy: Array
+    weight: Array
+    theta_min: Array
+    status: NDArray[np.int8]
 
 
 @dataclass(frozen=True)
@@ -95,15 +116,39 @@ class FallingProbability:
         They are the same for all seeds, so that runs can be merged.
         """
         random = chunk_stream(0, _EDGE_STREAM)
-        size = _EDGE_DRAWS, dimensions(self.source)
-        both = [self.draw(face, _EDGE_TILT, random.random(size)) for face in (1, -1)]
+        both = [self.draw(face, _EDGE_TILT, random, _EDGE_DRAWS) for face in (1, -1)]
         energies = np.concatenate([draws.energy[draws.weight > 0.0] for draws in both])
         inner = np.arange(1, _ENERGY_BINS) / _ENERGY_BINS
         return np.quantile(energies, inner) if energies.size > 10 * _ENERGY_BINS else np.zeros(0)
 
-    def draw(self, face: int, delta: float, points: Array) -> Draws:
-        """Draws in the tube of tilt delta beside the line of one face, from points of the unit cube."""
-        return draw_tube(self.disk, self.source, self.mass, face, delta, points, self.accuracy)
+    @cached_property
+    def _tubes_drawn(self) -> dict[tuple[int, float], Tube]:
+        """Tubes by face and tilt: their first draws serve all others."""
+        return {}
+
+    def draw(self, face: int, delta: float, random: Stream, count: int) -> Draws:
+        """Draws in the tube of tilt delta beside the line of one face."""
+        source = Distribution.of_density(self.disk, self.source)
+        tube = self._tubes_drawn.setdefault((face, delta), Tube(source, face, delta, 0.0))
+        drawn = tube.draw_beside_f(random, count)
+        place, unit = drawn.place, self.disk.rate_unit
+        sigma3, sigma4 = place.chart.rates(drawn.bar * unit, drawn.eta * unit)
+        given = face * np.arctan2(place.z, place.q), place.phidot * unit, sigma3, face * sigma4
+        energy = place.energy(drawn.bar, drawn.eta) * self.disk.energy_unit
+        low, high = self.source.energy
+        rows = np.flatnonzero((drawn.weight > 0.0) & drawn.within & (energy >= low) & (energy <= high))
+        weight, theta, status = np.zeros(count), np.full(count, np.nan), np.zeros(count, np.int8)
+        weight[rows] = self._over_factors * drawn.weight[rows]
+        if self.source.function is not None:
+            weight[rows] *= self.source.called(dict(zip(COORDINATES, (each[rows] for each in given), strict=True)))
+        theta[rows], status[rows] = smallest_tilts(drawn.states(self.disk, face, rows), 2, self.accuracy)
+        return Draws(*given[:2], drawn.bar * unit, drawn.eta * unit, energy, weight, theta, status)
+
+    @cached_property
+    def _over_factors(self) -> float:
+        """The integral of the factors of the density's coordinates over that of the density."""
+        factors = self.source.seen_from(self.disk, 1)
+        return math.prod(factors.factor_mass(name) for name in factors.box.free) / self.mass
 
     # What is counted
 

@@ -22,6 +22,7 @@ from explorer.measure.tubes import TiltAndRate, counts_on, half_width
 from explorer.motion.orbits import KERNELS as OF_ENDS
 from explorer.motion.orbits import ends_of, smallest, tilts_on
 from explorer.motion.starts import arc_starts_of, face_of, status_at_start
+from explorer.motion.trajectories import finer
 from explorer.phase.disk import Disk
 from explorer.phase.lines import motion_given, other_eta_hat
 from explorer.phase.states import Array, States
@@ -34,10 +35,12 @@ KERNELS = (  # for `compiled.warmup`
 # Tilts below this many delta are drawn plainly: above, the width of a tube settles in a few rounds. With a larger
 # delta than this they would be all there are.
 _BESIDE_FLAT, LARGEST_DELTA = 10.0, 0.1
-_TOWARDS_FLAT = 57  # edges of cells from 1e-13 rad on, four in a decade
-_PILOT = 64  # draws of a cell, which say how often the others come from it
+# Cells: their edges from 1e-13 rad on, four in a decade; into how many parts each is cut; and the draws of a part,
+# which say how often the others come from it.
+_TOWARDS_FLAT, _PARTS, _PILOT = 57, 2, 64
 # Least share of tilts, and of pairs, that are drawn from their own distributions: no weight exceeds one over it.
-_OWN = 0.15
+# Pairs that are hardly ever come to the tube.
+_OWN, _OWN_PAIR = 0.15, 0.03
 # Distance from flat that an angle from elsewhere resolves to 1e-4
 _RESOLVED = 1e-12
 
@@ -104,12 +107,12 @@ class NearFallingSet:
 
     def below(self, delta: float, random: Stream, draws: int) -> Rare:
         """P(theta_min < delta), by so many draws at each face."""
-        tubes = [_Tube(self.source, face, delta) for face in (1, -1)]
+        tubes = [Tube(self.source, face, delta, _BESIDE_FLAT * delta) for face in (1, -1)]
         strata = [[self._in_tube(tube, random, n) for n in _blocks(draws)] for tube in tubes if tube.own.any()]
         strata += [[self._beside_flat(*end, random, n) for n in _blocks(draws // 4)] for end in self._flat(delta)]
         return _added([_sums(parts, delta) for parts in strata])
 
-    def _in_tube(self, tube: "_Tube", random: Stream, count: int) -> Weighted:
+    def _in_tube(self, tube: "Tube", random: Stream, count: int) -> Weighted:
         """Draws of a tube, and where in it they come to."""
         drawn = tube.draw_beside_f(random, count)
         rows = np.flatnonzero((drawn.weight > 0.0) & drawn.within)
@@ -140,7 +143,7 @@ class NearFallingSet:
 
 
 @dataclass(frozen=True)
-class _Drawn:
+class Drawn:
     """Draws at given tilts. weight: the density of the distribution over theirs; within: those in the tube."""
 
     place: TiltAndRate
@@ -158,26 +161,30 @@ class _Drawn:
 
 
 @dataclass(frozen=True)
-class _Tube:
-    """Where states come flatter than delta beside F of a face."""
+class Tube:
+    """Where states come flatter than delta beside F of a face.
+
+    beside: tilts below are left out, rad.
+    """
 
     source: Distribution
     face: int
     delta: float
+    beside: float
 
     @cached_property
     def edges(self) -> Array:
         """Of the cells of the tilt, outside of what lies beside flat; twice the same where it is a number."""
-        tilt, beside = self.source.tilt, _BESIDE_FLAT * self.delta
+        tilt = self.source.tilt
         if not tilt.free:
             return np.repeat(tilt.nodes, 2)
         low, high = (-0.5 * math.pi, 0.5 * math.pi) if tilt.name == "phi" else (0.0, math.pi)
-        low, high = low + beside, high - beside
+        low, high = low + self.beside, high - self.beside
         # Towards flat cells shrink, where the density does not vanish there.
-        towards = np.geomspace(max(beside, 1e-13), 0.1, _TOWARDS_FLAT)
+        towards = np.geomspace(max(self.beside, 1e-13), 0.1, _TOWARDS_FLAT)
         edges = np.unique(np.concatenate([np.clip(tilt.nodes, low, high), low + towards, high - towards]))
         edges = edges[(edges >= max(low, tilt.nodes[0])) & (edges <= min(high, tilt.nodes[-1]))]
-        return edges if edges.size > 1 else np.array([low, high])
+        return finer(edges if edges.size > 1 else np.array([low, high]), _PARTS)
 
     @cached_property
     def _widths(self) -> Array:
@@ -193,7 +200,7 @@ class _Tube:
     def hits(self) -> Array:
         """How often a state whose tilt lies in a cell lies in the tube, as the first draws say."""
         random, cells = np.random.default_rng(0), np.arange(self.own.size)
-        drawn = self.draw(self._in_cells(np.repeat(cells, _PILOT), random), _OWN, random)
+        drawn = self.draw(self._in_cells(np.repeat(cells, _PILOT), random), _OWN_PAIR, random)
         hits: Array = (drawn.weight * drawn.within).reshape(-1, _PILOT).mean(axis=1)
         return hits
 
@@ -205,11 +212,11 @@ class _Tube:
         shares: Array = (1.0 - _OWN) * hits / hits.sum() + _OWN * self.own / self.own.sum()
         return shares
 
-    def draw_beside_f(self, random: Stream, count: int) -> _Drawn:
+    def draw_beside_f(self, random: Stream, count: int) -> Drawn:
         """Draws of all coordinates; where most states lie in the tube, most pairs are drawn as distributed."""
-        cell = random.choice(self.shares.size, count, p=self.shares)
+        cell = np.searchsorted(np.cumsum(self.shares)[:-1], random.random(count), "right")
         tilt = self._in_cells(cell, random)
-        drawn = self.draw(tilt, np.clip(self.hits, _OWN, 1.0 - _OWN)[cell], random)
+        drawn = self.draw(tilt, np.clip(self.hits, _OWN_PAIR, 1.0 - _OWN_PAIR)[cell], random)
         of_tilts = self.source.tilt.density(tilt) * self._widths[cell] / self.shares[cell]
         return replace(drawn, weight=of_tilts * drawn.weight)
 
@@ -218,7 +225,7 @@ class _Tube:
         inside: Array = self.edges[cell] + np.diff(self.edges)[cell] * random.random(cell.size)
         return inside
 
-    def draw(self, tilt: Array, plain: Array | float, random: Stream) -> _Drawn:
+    def draw(self, tilt: Array, plain: Array | float, random: Stream) -> Drawn:
         """A speed and a pair for each of these tilts.
 
         The speed comes from its own distribution, and in the share `plain` of the draws so does the pair. In the
@@ -239,7 +246,8 @@ class _Tube:
                     return speed / disk.energy_unit
                 return np.nan_to_num(place.energy(self._bar_at(bar, eta, pair), eta), nan=np.inf)
 
-            half, settled = half_width(disk, self.delta, energy, np.full(count, np.inf))
+            half = half_width(disk, self.delta, energy, count)
+            settled = np.isfinite(half)
             evenly = np.where(settled, half, 0.0) * (2.0 * random.random(count) - 1.0)
             eta = np.where(plainly, own[1], evenly)
             bar = self._bar_at(bar, eta, pair)
@@ -252,7 +260,7 @@ class _Tube:
             weight = np.where(left >= 0.0, weight, 0.0)
             place = replace(place, phidot=np.sqrt(2.0 / disk.body.M * np.maximum(left, 0.0)))
         counted = counts_on(self.face, eta, other_eta_hat(disk, bar, eta)) & np.isfinite(bar) & (settled | plainly)
-        return _Drawn(place, bar, eta, np.where(counted, weight, 0.0), within | ~settled)
+        return Drawn(place, bar, eta, np.where(counted, weight, 0.0), within | ~settled)
 
     @property
     def _fixed(self) -> int | None:
@@ -276,24 +284,27 @@ class _Tube:
             density = density * each.density(m * bar + n * eta)
         return density
 
-    @property
-    def _first_share(self) -> float:
-        """How often the first of the pair says sigma3_bar: always where the other does not depend on it."""
-        return 1.0 if self.source.pair[1].name == "eta_hat" else 0.5
+    def _says_bar(self, pair: Array) -> NDArray[np.bool_]:
+        """Whether the first of the pair says sigma3_bar on F: where it says it more sharply than the second."""
+        first, second = (one.spread / abs(pair[i, 0]) for i, one in enumerate(self.source.pair))
+        sharper: NDArray[np.bool_] = first <= second
+        return sharper
 
     def _bar_on_f(self, pair: Array, random: Stream) -> Array:
         """sigma3_bar of the states on F with draws of one of the pair."""
-        count = pair.shape[-1]
-        each: list[Array] = [one.draw(random, count) / pair[i, 0] for i, one in enumerate(self.source.pair)]
-        return np.where(random.random(count) < self._first_share, *each)
+        each: list[Array] = [
+            one.draw(random, pair.shape[-1]) / pair[i, 0] for i, one in enumerate(self.source.pair)
+        ]
+        return np.where(self._says_bar(pair), *each)
 
     def _bar_density(self, pair: Array, bar: Array) -> Array:
         """The density of these; 1 where a number of the pair sets them."""
         if self._fixed is not None:
             return np.ones(bar.size)
-        first, second = (one.density(pair[i, 0] * bar) * abs(pair[i, 0]) for i, one in enumerate(self.source.pair))
-        density: Array = self._first_share * first + (1.0 - self._first_share) * second
-        return density
+        each: list[Array] = [
+            one.density(pair[i, 0] * bar) * abs(pair[i, 0]) for i, one in enumerate(self.source.pair)
+        ]
+        return np.where(self._says_bar(pair), *each)
 
     def _bar_at(self, bar: Array, eta: Array, pair: Array) -> Array:
         """sigma3_bar where one of the pair is a number, which sets it; else as it is."""

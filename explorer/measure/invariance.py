@@ -17,7 +17,7 @@ from explorer.errors import InputError, number, whole
 from explorer.measure.density import Density
 from explorer.measure.sampling import Box, chunk_stream
 from explorer.measure.statistics import either_p
-from explorer.motion.plan import Plan, plan
+from explorer.motion.plan import plan
 from explorer.motion.threads import attended, blocks
 from explorer.motion.trajectories import trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
@@ -25,9 +25,8 @@ from explorer.phase.results import Result
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states, require_states
 
 _ACCURACY = 1e-6  # of the motions (rad), far below what a test of some thousand states can see
-_PARTS = 3  # of each coordinate, in the test of all four together: 81 cells
 _STEPS_IN_ALL = 150_000_000  # of all motions together: some seven seconds; those that need more count as failed
-_FEWEST = 20  # states in a cell of both samples; with fewer its share of chi-square is not distributed so
+_FEWEST = 20  # states of a test
 _STEPS_AT_ONCE = 200_000  # some tenths of a second; one motion may take more
 _MOST_SAMPLES = 10**7  # of a test; their coordinates take a gigabyte
 _HIGHEST = 3.0  # energy over m g r, up to which states are drawn unless the user says otherwise
@@ -133,7 +132,7 @@ class Pushed:
         phi (rad), phidot, sigma3, sigma4 (units of the disk) of states that have not moved, and of others
         after the time that was given.
     p_values : dict of str to float
-        By coordinate (Kolmogorov-Smirnov), and of all four together under "cells" (chi-square of cells).
+        By coordinate (Kolmogorov-Smirnov).
     p_value : float
         Of all these tests together, after Bonferroni.
     failed : int
@@ -214,18 +213,12 @@ def push_forward(
     p_values = {
         name: float(scipy.stats.ks_2samp(first[i], pushed[i]).pvalue) for i, name in enumerate(COORDINATES)
     }
-    p_values["cells"] = _cells_p(first, pushed)
     return Pushed(first, pushed, p_values, either_p(*p_values.values()), int((~good).sum()))
 
 
 def kernels() -> tuple[str, ...]:
     """The kernels of `flow_stretch` and `push_forward`, for `compiled.warmup`."""
-    return "variation.variation_batch", *following().motions
-
-
-def following() -> Plan:
-    """How `push_forward` follows its motions."""
-    return plan(COORDINATES, _ACCURACY)
+    return "variation.variation_batch", *plan(COORDINATES, _ACCURACY).motions
 
 
 def energy_density(disk: Disk, energy: float) -> Density:
@@ -240,17 +233,3 @@ def energy_density(disk: Disk, energy: float) -> Density:
     half_pi = 0.5 * np.pi
     box = Box((-half_pi, half_pi), *((-float(r), float(r)) for r in reach))
     return Density(box, (-np.inf, energy))
-
-
-def _cells_p(first: Array, second: Array) -> float:
-    """p-value that two samples (4, n) share a distribution, from counts in cells of all four coordinates."""
-    together = np.concatenate([first, second], axis=1)
-    cell = np.zeros(together.shape[1], np.int64)
-    for row in together:
-        edges = np.quantile(row, np.arange(1, _PARTS) / _PARTS)
-        cell = cell * _PARTS + np.searchsorted(edges, row)
-    counts = np.stack([np.bincount(part, minlength=_PARTS**4) for part in np.split(cell, [first.shape[1]])])
-    # Cells with few draws are joined.
-    few = counts.sum(axis=0) < _FEWEST
-    joined = np.column_stack([counts[:, ~few], counts[:, few].sum(axis=1)])
-    return float(scipy.stats.chi2_contingency(joined[:, joined.sum(axis=0) > 0]).pvalue)

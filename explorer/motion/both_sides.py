@@ -8,14 +8,7 @@ from numpy.typing import ArrayLike
 
 from explorer import compiled
 from explorer.errors import InputError, positive, sign
-from explorer.motion.limit_motions import (
-    LimitMotion,
-    LimitState,
-    limit_beside,
-    limit_motion,
-    misses_f,
-    warn_of_move,
-)
+from explorer.motion.limit_motions import LimitMotion, LimitState, limit_motion
 from explorer.motion.trajectories import trajectories
 from explorer.phase.constants import constants
 from explorer.phase.coordinates import coordinates_to_states
@@ -119,7 +112,7 @@ def both_sides(state: States, eta_hat: float | None = None, t_end: float | None 
     Parameters
     ----------
     state : States
-        One state, of a disk with I3 > 0. A state beside F is moved onto F; phi, phidot and sigma3_bar are kept.
+        One state on F, as for `limit_motion`. The motions beside it have its phi, phidot and sigma3_bar.
     eta_hat : float, optional
         Distance of the motions from F, above 0, in the units of the disk; by default 0.01 natural units.
     t_end : float, optional
@@ -133,13 +126,7 @@ def both_sides(state: States, eta_hat: float | None = None, t_end: float | None 
     Raises
     ------
     InputError
-        If the disk would not fall from the state, if there is more than one state, or if eta_hat or t_end is
-        not above 0.
-
-    Warns
-    -----
-    StateWarning
-        If the state is moved by more than the rounding of its rates, taken as 1e-12 of their size.
+        As `limit_motion` does, and if eta_hat or t_end is not above 0.
 
     Notes
     -----
@@ -154,32 +141,19 @@ def both_sides(state: States, eta_hat: float | None = None, t_end: float | None 
     >>> bool(np.all(np.abs(apart) < 1e-4))
     True
     """
-    size = 0.01 * require_states(state).disk.rate_unit if eta_hat is None else positive("eta_hat", eta_hat)
-    given = limit_beside(state)
-    if misses_f(given):
-        warn_of_move(given, 3)
-    beside = _at_distances(state, given.face, [0.0, size, -size])
-    start = beside[0] if misses_f(given) else state
-    limits = {side: limit_beside(start, side) for side in (1, -1)}
+    disk = require_states(state).disk
+    size = 0.01 * disk.rate_unit if eta_hat is None else positive("eta_hat", eta_hat)
+    limits = {side: limit_motion(state, side) for side in (1, -1)}
     limit = limits[1]
+    at_point: dict[str, ArrayLike] = {"phi": state.phi, "phidot": state.phidot, "face": limit.face}
+    at_point["sigma3_bar"] = constants(state).sigma3_bar
+    beside = coordinates_to_states(disk, **at_point, eta_hat=[size, -size])
     end = limit.impacts(3.0 * limit.period)[1] + 0.6 * limit.period if t_end is None else positive("t_end", t_end)
-    motion = trajectories(beside[1:], float(end), observables=QUANTITIES)
+    motion = trajectories(beside, float(end), observables=QUANTITIES)
     if not motion.lengths.all():
         code = compiled.status.Status(int(motion.status.max()))
         raise InputError(f"eta_hat = {size:g}: {code.sentence} {code.remedy}")
     t = np.unique(motion.t)
     at = motion(t)
     rows = {sign: {name: getattr(at, name)[row] for name in QUANTITIES} for row, sign in enumerate((1, -1))}
-    return BothSides(start, size, t, limit.impacts(end), rows, {sign: limits[sign](t) for sign in limits})
-
-
-def _at_distances(state: States, face: int, eta_hat: list[float]) -> States:
-    """States that differ from one in their distances from F only."""
-    return coordinates_to_states(
-        state.disk,
-        phi=state.phi,
-        phidot=state.phidot,
-        sigma3_bar=constants(state).sigma3_bar,
-        eta_hat=eta_hat,
-        face=face,
-    )
+    return BothSides(state, size, t, limit.impacts(end), rows, {sign: limits[sign](t) for sign in limits})

@@ -9,7 +9,6 @@ the vertical, as a pendulum: the rise ends on the other flat state, where chi an
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,14 +24,14 @@ from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import falls_of
 from explorer.phase.lines import line_chart, motion_given
 from explorer.phase.results import Table
-from explorer.phase.states import Array, Rows, States, StateWarning, require_states
+from explorer.phase.states import Array, Rows, States, require_states
 
 KERNELS = *falling_set.KERNELS, *RISE, "falling.line_chart_batch"  # for `compiled.warmup`
 _HALF_PI = 0.5 * np.pi
 _MOST_IMPACTS = 1e8  # their times take 0.8 GB, and a double has 8 digits left for the place between two
 # Of sigma3_bar over the energy: below, the rate of the race overflows, and no double tells the race from a jump.
 _TINY = 1e-290
-_MEANT = 1e-12  # |eta_hat|, of the rates, that is left where a state on F was computed: by rounding
+_MEANT = 1e-12  # |eta_hat|, over the rates, that rounding leaves where a state on F was computed
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -98,8 +97,6 @@ class LimitMotion:
     chi_per_period : float
         Increase of chi from impact to impact (rad), one jump of side times kappa pi included; for a pendulum it is
         this jump alone, and the next jump on the same face comes two periods later.
-    missed : float
-        eta_hat of the given state (units of the disk), by which it missed F; 0 to rounding on F.
 
     Examples
     --------
@@ -112,11 +109,9 @@ class LimitMotion:
     array([ 1.41, -1.41,  1.41])
     """
 
-    def __init__(
-        self, disk: Disk, rise: Rise, sigma3_bar: float, face: int, side: int, rises: bool, missed: float
-    ) -> None:
+    def __init__(self, disk: Disk, rise: Rise, sigma3_bar: float, face: int, side: int, rises: bool) -> None:
         """rise: from the flat state of `face`, through the state that was given, which `rises` or falls again."""
-        self.disk, self.side, self.missed = disk, side, missed * disk.rate_unit
+        self.disk, self.side = disk, side
         self.sigma3_bar = sigma3_bar * disk.rate_unit
         self.face = 1 if rise.upright else face
         self._rise, self._jump = rise, side * disk.race_limit
@@ -203,8 +198,7 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     Parameters
     ----------
     state_on_f : States
-        One state, of a disk with I3 > 0. A state beside F is moved onto F: its energy and sigma3_bar are kept, and
-        eta on the nearer face is set to 0. `missed` of the result says how far it was moved.
+        One state on F, of a disk with I3 > 0. An eta_hat up to 1e-12 of its rates is taken for rounding.
     side : int
         Sign of eta from which F is approached, +1 or -1.
 
@@ -216,12 +210,8 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     Raises
     ------
     InputError
-        If the disk would not fall from that state, for a side that is not +1 or -1, and for several states.
-
-    Warns
-    -----
-    StateWarning
-        If the state is moved by more than the rounding of its rates, taken as 1e-12 of their size.
+        If the state lies beside F, or the disk would not fall from it, for a side that is not +1 or -1, and for
+        several states.
 
     Notes
     -----
@@ -236,15 +226,7 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     >>> print(f"{up(2.0).chi - down(2.0).chi:.4f} = 2 kappa pi = {2.0 * disk.race_limit:.4f}")
     14.0496 = 2 kappa pi = 14.0496
     """
-    limit = limit_beside(state_on_f, side)
-    if misses_f(limit):
-        warn_of_move(limit, 3)
-    return limit
-
-
-def limit_beside(state: States, side: int = 1) -> LimitMotion:
-    """The same without a warning where the state is moved."""
-    states = require_states(state)
+    states = require_states(state_on_f)
     disk = states.disk
     require_axial_inertia(disk)
     side = sign("side", side)
@@ -255,36 +237,24 @@ def limit_beside(state: States, side: int = 1) -> LimitMotion:
         raise InputError("limit motion: the disk could not fall from this state; see explorer.falls")
     z, p, bar = (float(row[0]) for row in (states.rows.z, states.rows.p, motion.sigma3_bar))
     nearer = int(where.face[0])
-    eta = motion.eta(np.array([nearer > 0]))
+    eta_hat = disk.eta_to_eta_hat(float(motion.eta(np.array([nearer > 0]))[0]))
+    if abs(eta_hat) > _MEANT * max(1.0, abs(bar)):
+        raise InputError(
+            f"limit motion: the state lies beside F, at eta_hat = {eta_hat * disk.rate_unit:.3g}; for the one on "
+            "F use coordinates_to_states(disk, phi=..., phidot=..., sigma3_bar=..., eta_hat=0)"
+        )
     # With sigma3_bar = 0 both lines l_+ and l_- meet.
     face = nearer if bar != 0.0 else 1 if z >= 0.0 else -1
     if bar != 0.0:
         bar = math.copysign(max(abs(bar), _TINY * max(float(motion.energy[0]), 1.0)), bar)
-    on_f = _onto_f(states, bar, np.where(where.on_f, 0.0, eta), face)
-    rise = Rise(disk, on_f, face * z < 0.0)
-    return LimitMotion(disk, rise, bar, face, side, face * p >= 0.0, disk.eta_to_eta_hat(float(eta[0])))
+    rise = Rise(disk, _on_f(states, bar, face), face * z < 0.0)
+    return LimitMotion(disk, rise, bar, face, side, face * p >= 0.0)
 
 
-def misses_f(limit: LimitMotion) -> bool:
-    """Whether its state was meant to lie beside F: on it, rounding of the rates leaves some eta_hat."""
-    return abs(limit.missed) > _MEANT * max(limit.disk.rate_unit, abs(limit.sigma3_bar))
-
-
-def _onto_f(states: States, sigma3_bar: float, eta: Array, face: int) -> ArcStarts:
-    """The motion on F with the energy of a state, at its tilt; eta: by which it misses F."""
-    disk, b, (q, z, p, _, _) = states.disk, states.disk.body, states.rows
-    chart, bar = line_chart(disk, q, face * z), np.array([sigma3_bar])
-    (sigma3, sigma4), (off3, off4) = chart.rates(bar, 0.0), chart.rates(0.0, disk.eta_to_eta_hat(eta))
-    freed = b.I1 * off3 * (2.0 * sigma3 + off3) / (q * q) + b.J * off4 * (2.0 * sigma4 + off4)
-    speed = np.sqrt(np.maximum(p * p + b.inv_M * freed, 0.0))  # what could fall has the energy, up to rounding
-    rows = Rows(q, z, speed, sigma3 / q, face * sigma4)
-    plus = np.array([face > 0])
-    own = face * z >= 0.0
-    return arc_starts(disk, rows, motion_given(disk, bar, np.zeros(1), plus), plus == own)
-
-
-def warn_of_move(limit: LimitMotion, level: int) -> None:
-    """Say at the caller's line, `level` calls up, that a state was moved onto F."""
-    moved = f"the state lies beside F, with eta_hat = {limit.missed:.3g}, and was moved onto it; "
-    remedy = "constants_to_states(..., eta_hat=0) gives states on F"
-    warnings.warn(moved + remedy, StateWarning, stacklevel=level)
+def _on_f(states: States, sigma3_bar: float, face: int) -> ArcStarts:
+    """The motion with eta = 0 through a state."""
+    disk, (q, z, p, _, _) = states.disk, states.rows
+    bar, plus = np.array([sigma3_bar]), np.array([face > 0])
+    sigma3, sigma4 = line_chart(disk, q, face * z).rates(bar, 0.0)
+    rows = Rows(q, z, abs(p), sigma3 / q, face * sigma4)
+    return arc_starts(disk, rows, motion_given(disk, bar, np.zeros(1), plus), plus == (face * z >= 0.0))

@@ -7,21 +7,19 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, jobs_of
+from explorer.errors import jobs_of
 from explorer.motion.arcs import allowed
 from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of, smallest
 from explorer.motion.orbits_by_integration import integrated_orbits
 from explorer.motion.plan import Plan, plan
 from explorer.motion.starts import ArcStarts, arc_starts_of, face_of, status_of_period
 from explorer.motion.threads import BLOCK, in_parts
-from explorer.motion.vertical import LARGEST
-from explorer.phase.disk import LARGEST_RATE, require_axial_inertia
-from explorer.phase.lines import line_chart, motion_given
+from explorer.phase.disk import require_axial_inertia
 from explorer.phase.results import Result, joined
-from explorer.phase.states import Array, Rows, States, columns_of, require_states
+from explorer.phase.states import Array, States, require_states
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -70,14 +68,7 @@ class Periods(Result):
     states: States
 
 
-def periods(
-    states: States,
-    accuracy: float = 1e-6,
-    eta_hat: ArrayLike | None = None,
-    jobs: int = 1,
-    *,
-    method: str = "auto",
-) -> Periods:
+def periods(states: States, accuracy: float = 1e-6, jobs: int = 1, *, method: str = "auto") -> Periods:
     """Periods of the motions through `states`.
 
     Parameters
@@ -87,11 +78,6 @@ def periods(
     accuracy : float
         Error of the angles (rad), relative error of the period and of theta_min, 1e-13 to 0.1. If an angle is so
         large that its 14th digit exceeds this, its error is of the size of that digit.
-    eta_hat : array_like, optional
-        Distance from F (units of the disk) for the face to which the disk leans, +1 at the vertical. It replaces
-        the state's own, which is only known to rounding: a state on F to rounding FALLS or is UNRESOLVED_SIDE
-        without it. Where it differs by more, the motion is another one, with that eta_hat and the sigma3_bar, tilt
-        and phidot of the state. States made by `constants_to_states` keep the one they were made from.
     jobs : int
         Threads, by default 1; the results do not depend on their number.
     method : str
@@ -105,7 +91,7 @@ def periods(
     Raises
     ------
     InputError
-        For a disk with I3 = 0, an accuracy out of its range, or an eta_hat that does not fit the states.
+        For a disk with I3 = 0, or an accuracy out of its range.
 
     Notes
     -----
@@ -118,11 +104,9 @@ def periods(
     >>> ex.periods(states, 1e-9).period.round(6)
     array([3.530913])
     """
-    disk = require_states(states).disk
-    require_axial_inertia(disk)
+    require_axial_inertia(require_states(states).disk)
     how = plan(("period",), accuracy, method)
-    known = states if eta_hat is None else _with_eta_hat(states, eta_hat)
-    found = of_motions(known, jobs_of("jobs", jobs), lambda some: _periods(some, how))
+    found = of_motions(states, jobs_of("jobs", jobs), lambda some: _periods(some, how))
     return replace(found, states=states).reshaped(states.shape)
 
 
@@ -173,26 +157,3 @@ def _periods(states: States, how: Plan) -> Periods:
         status=np.where(good, code.OK, code.STEP_LIMIT).astype(np.int8),
         states=states,
     )
-
-
-def _with_eta_hat(states: States, eta_hat: ArrayLike) -> States:
-    """The states with the eta_hat that was given instead of their own, at the same tilt, phidot and sigma3_bar."""
-    disk, motion, code = states.disk, states.motion, compiled.status.Status
-    sigma3_bar = motion.sigma3_bar
-    given = columns_of(eta_hat=eta_hat, states=sigma3_bar.reshape(states.shape))[0] / disk.rate_unit
-    if given.size != len(states):
-        raise InputError(f"eta_hat broadcasts to {given.size} entries for {len(states)} states; give one for each")
-    good = (states.status == code.OK) & (abs(given) < LARGEST)
-    asked = motion_given(disk, sigma3_bar, np.where(good, given, 1.0), states.rows.z >= 0.0)
-    # By less than its rounding a state need not be moved to have that eta.
-    by = asked.eta_plus - motion.eta_plus
-    by = np.where(good & (abs(by) > np.fmax(motion.rounding_plus, motion.rounding_minus)), by, 0.0)
-    rows = Rows(*states.natural)
-    sigma3, sigma4 = line_chart(disk, rows.q, rows.z).rates(0.0, disk.eta_to_eta_hat(by))
-    moved = rows._replace(rho=rows.rho + sigma3 / rows.q, sigma4=rows.sigma4 + sigma4)
-    good &= np.fmax(abs(moved.rho), abs(moved.sigma4)) < LARGEST_RATE
-    natural, status = (
-        np.where(good, np.stack(moved), states.natural),
-        np.where(good, states.status, code.BAD_INPUT),
-    )
-    return States(disk, natural, status.astype(np.int8), asked, states.shape)

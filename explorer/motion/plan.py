@@ -18,7 +18,7 @@ import numpy as np
 
 from explorer import compiled
 from explorer.errors import InputError, number, one_of, words
-from explorer.motion import calibration
+from explorer.motion.calibration import setting_for
 
 ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH = "algebra", "quadrature", "reduced", "angles", "path"
 LEVELS = (ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH)
@@ -49,7 +49,7 @@ _TOLERANCE_FLOOR = 1e-15
 class Plan:
     """The way a question will be answered: the level, the method, and the reason in words.
 
-    setting: the integrator's step or tolerance where that is what is tried; else the calibration says it.
+    setting: the integrator's step or tolerance where that is what is tried; else `calibration` says it.
     """
 
     level: str
@@ -95,9 +95,7 @@ class Plan:
 
         What is held cannot be lost, so the setting does not depend on the distance from F.
         """
-        setting: Any = self.setting
-        if setting is None:
-            setting = calibration.current().curves[self.method].at(self.accuracy)
+        setting = setting_for(self.method, self.accuracy) if self.setting is None else self.setting
         return float(self.at_least(setting))
 
     def at_least(self, setting: Any) -> Any:
@@ -105,27 +103,15 @@ class Plan:
         return np.fmax(setting, 0.0 if self.method in FIXED else _TOLERANCE_FLOOR)
 
     @property
-    def own_steps(self) -> tuple[str, float] | None:
-        """What this machine's own calibration sets: the method and its steps.
-
-        None where no steps are taken, or the shipped calibration sets them.
-        """
-        integrates = self.method in FIXED or self.adaptive
-        return (self.method, self.control) if integrates and calibration.current().own else None
-
-    @property
     def cost(self) -> str:
         """Expected work per sample in words."""
         if self.level == ALGEBRA:
             return "one evaluation of Chaplygin's solutions per sample"
         if self.method == "quadrature":
-            microseconds = calibration.current().quadrature / 1000
-            return f"about {microseconds:.1f} microseconds per passage, the same at every distance from F"
-        measured = calibration.current()
-        microseconds = measured.curves[self.method].cost(self.accuracy) / 1000
+            return "about a microsecond per passage, the same at every distance from F"
         return (
-            f"about {microseconds:.1f} microseconds per passage in lanes, more near F, like the logarithm of the "
-            f"distance ({measured.origin}); several times that for motions in time"
+            "some microseconds per passage in lanes, more near F, like the logarithm of the distance; several "
+            "times that for motions in time"
         )
 
 
@@ -165,13 +151,10 @@ def _choose(asked: tuple[str, ...], method: str, accuracy: float) -> tuple[str, 
         raise InputError(f"method quadrature gives passages and periods, not {deepest}; use auto or an integrator")
     why = f"{method} as asked"
     if method == "auto":
-        # The adaptive pairs bend their steps to each sample's distance from F, which spans decades in any
-        # sampling; a fixed step must be small enough throughout the motion.
-        measured = calibration.current()
-        possible = TIGHTEST["dop853"] <= accuracy <= LOOSEST  # else `plan` refuses what is chosen
-        method = measured.cheapest(ADAPTIVE, accuracy if possible else LOOSEST)
-        each = "because each sample sets its own step near flat; the cheaper such method at"
-        why = f"{method} {each} {accuracy:g} ({measured.origin})"
+        # Adaptive pairs bend their steps to each sample's distance from F, which spans decades in any sampling; a
+        # fixed step must be small enough throughout the motion.
+        method = "dop853"
+        why = f"{method} because each sample sets its own step near flat, at less cost than by dopri5"
     if level == QUADRATURE:
         carried = (_INTEGRATED.get(name, ANGLES) for name in asked if OBSERVABLES[name] == QUADRATURE)
         level = max(carried, key=LEVELS.index)

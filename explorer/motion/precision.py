@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion import calibration
+from explorer.motion.calibration import SAFETY
 from explorer.motion.orbits import closest_to_crest
 from explorer.motion.plan import PATH, Plan
 from explorer.motion.starts import arc_starts
@@ -107,7 +107,7 @@ def less_where_amplified(how: Plan, amplified: Array) -> Array:
     Where little happens in the first steps, an adaptive method would take them too long. Fixed ones are as much
     shorter as takes back what is amplified beyond the reserve of the calibration.
     """
-    return amplified**-2.0 if how.adaptive else np.fmin(calibration.SAFETY / amplified, 1.0)
+    return amplified**-2.0 if how.adaptive else np.fmin(SAFETY / amplified, 1.0)
 
 
 def in_race(disk: Disk, ended: Array, error: Array) -> Array:

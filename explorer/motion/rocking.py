@@ -7,14 +7,13 @@ the centrifugal wall eta^2/(2 I1 theta^2) and gravity m g r theta, and never com
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from explorer.errors import InputError, number
 from explorer.motion.periods import periods
-from explorer.phase.constants import constants_of
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, columns_of, theta_to_states
 
@@ -117,7 +116,8 @@ def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HA
     u = 1.0 + _BETWEEN * (outer - 1.0)
     speed = np.sqrt(2.0 / b.M * theta_0 * (1.5 * ratio - u - 0.5 / u**2))
     states = theta_to_states(disk, theta_0 * u, speed * unit, eta / b.I1 * unit, 0.0)
-    constants = constants_of(states)
-    bounces = periods(states, _ACCURACY, eta_hat=constants.eta_hat_plus)
-    above = bounces.energy / disk.energy_unit - disk.energy_at_flat(constants.sigma3_bar / unit)
+    # The eta of these states is meant: its rounding shifts the turn by no more than terms of order theta_0.
+    motion = states.motion._replace(rounding_plus=0.0 * u, rounding_minus=0.0 * u)
+    bounces = periods(replace(states, given=motion), _ACCURACY)
+    above = bounces.energy / disk.energy_unit - disk.energy_at_flat(motion.sigma3_bar)
     return Rocking(disk, above / (1.5 * theta_0), bounces.chi, bounces.theta_min, bounces.period, theta_0)

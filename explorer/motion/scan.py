@@ -9,7 +9,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, flag, jobs_of, one_of, shown, whole
+from explorer.errors import InputError, jobs_of, one_of, shown, whole
 from explorer.motion.bounces import bounces
 from explorer.motion.periods import periods
 from explorer.motion.threads import in_parts
@@ -96,13 +96,7 @@ class Scan(Table):
         return np.array(values, dtype=dtype) if copy else np.asarray(values, dtype=dtype)
 
 
-def scan(
-    states: States,
-    observable: Observable,
-    jobs: int = 1,
-    batch: int = BATCH,
-    progress: bool | None = None,
-) -> Scan:
+def scan(states: States, observable: Observable, jobs: int = 1, batch: int = BATCH) -> Scan:
     """Compute observables of every state: by name, or by a function of your own.
 
     Parameters
@@ -118,8 +112,6 @@ def scan(
         Threads; the function is then called in no particular order.
     batch : int
         States in one call of the function, which bounds the memory.
-    progress : bool, optional
-        Whether to show a progress bar; by default on a terminal, if the work takes longer than two seconds.
 
     Returns
     -------
@@ -152,10 +144,9 @@ def scan(
 
     require_states(states)
     jobs, batch = jobs_of("jobs", jobs), whole("batch", batch, 1, _MOST_BATCH)
-    progress = None if progress is None else flag("progress", progress)
-    call, alone = _function_of("observable", observable)
-    hidden, wait = None if progress is None else not progress, 0 if progress else _PATIENCE
-    with tqdm(desc=alone, total=max(1, -(-len(states) // batch)), disable=hidden, delay=wait, leave=False) as bar:
+    call, alone = _function_of(observable)
+    blocks = max(1, -(-len(states) // batch))
+    with tqdm(desc=alone, total=blocks, disable=None, delay=_PATIENCE, leave=False) as bar:  # on a terminal
 
         def checked(rows: slice) -> dict[str, NDArray[Any]]:
             found = _checked(call, states.at(rows), alone)
@@ -163,22 +154,21 @@ def scan(
             return found
 
         found = in_parts(jobs, len(states), checked, batch)
-    names = list(found[0])
-    if any(list(part) != names for part in found):
-        raise InputError("observable: the function returned other names for some states")
-    return Scan(states, {name: _joined(name, [part[name] for part in found], states.shape) for name in names})
+    whole_arrays = {name: np.concatenate([part[name] for part in found]) for name in found[0]}
+    shape = states.shape
+    return Scan(states, {name: each.reshape(*shape, *each.shape[1:]) for name, each in whole_arrays.items()})
 
 
-def _function_of(flag: str, observable: Any) -> tuple[Callable[[States], Any], str]:
+def _function_of(observable: Any) -> tuple[Callable[[States], Any], str]:
     """A function of states, and what a single array that it returns is called. Raises InputError."""
     if isinstance(observable, str):
-        return _function_of(flag, [observable])[0], observable
+        return _function_of([observable])[0], observable
     if callable(observable):
-        name = getattr(observable, "__name__", flag)
-        return observable, flag if name == "<lambda>" else name
+        name = getattr(observable, "__name__", "observable")
+        return observable, "observable" if name == "<lambda>" else name
     if not isinstance(observable, list | tuple) or not observable:
-        raise InputError(f"{flag} = {shown(observable)} is neither a name nor a function of States")
-    names = [one_of(flag, name, OBSERVABLES) for name in observable]
+        raise InputError(f"observable = {shown(observable)} is neither a name nor a function of States")
+    names = [one_of("observable", name, OBSERVABLES) for name in observable]
 
     def by_name(part: States) -> dict[str, NDArray[Any]]:
         results = {call: call(part) for call in {OBSERVABLES[name] for name in names}}
@@ -204,14 +194,3 @@ def _checked(observable: Callable[[States], Any], part: States, alone: str) -> d
                 "states; return one entry for each state"
             )
     return arrays
-
-
-def _joined(name: str, parts: list[NDArray[Any]], shape: tuple[int, ...]) -> NDArray[Any]:
-    rows = sorted({part.shape[1:] for part in parts})
-    if len(rows) > 1:
-        raise InputError(
-            f"observable: the function returned {name!r} with rows of shape {rows[0]} for some states and "
-            f"{rows[-1]} for others; return rows of one shape"
-        )
-    whole_array = np.concatenate(parts)
-    return whole_array.reshape(*shape, *whole_array.shape[1:])

@@ -10,7 +10,6 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_EXCEPTION, Future, wait
-from contextlib import contextmanager
 from functools import partial
 from itertools import pairwise
 from typing import TypeVar
@@ -27,21 +26,8 @@ class _Group:
     """Calls side by side that somebody waits for, and what ends the kernels that are at work for them."""
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()
         self._wanted = True
-        self._ends = list[Callable[[], None]]()
-
-    @contextmanager
-    def ended_by(self, end: Callable[[], None]) -> Iterator[None]:
-        """While a kernel is at work, `end` is what ends it."""
-        with self._lock:
-            self.require()
-            self._ends.append(end)
-        try:
-            yield
-        finally:
-            with self._lock:
-                self._ends.remove(end)
+        self.ends = list[Callable[[], None]]()
 
     def require(self) -> None:
         """Raise _UnwantedError where nobody waits any more."""
@@ -50,10 +36,9 @@ class _Group:
 
     def leave(self) -> None:
         """Nobody waits any more."""
-        with self._lock:
-            self._wanted = False
-            for end in self._ends:
-                end()
+        self._wanted = False
+        for end in list(self.ends):
+            end()
 
 
 class _UnwantedError(Exception):
@@ -97,8 +82,12 @@ def attended(kernel: Callable[[], None], end: Callable[[], None] = lambda: None)
     """
     group = _here.group
     if group is not None:
-        with group.ended_by(end):
+        group.ends.append(end)
+        try:
+            group.require()  # after `end` is there: one of both ends the kernel, whenever nobody waits any more
             kernel()
+        finally:
+            group.ends.remove(end)
     elif threading.current_thread() is threading.main_thread():
         _side_by_side([partial(attended, kernel, end)])
     else:

@@ -10,8 +10,7 @@ from explorer import compiled
 from explorer.motion import integration, precision
 from explorer.motion.orbits import KERNELS, ends_of, smallest
 from explorer.motion.plan import Plan
-from explorer.motion.starts import ArcStarts, arc_starts_of, face_of, status_at_start
-from explorer.phase.disk import Disk
+from explorer.motion.starts import arc_starts_of, face_of, status_at_start
 from explorer.phase.states import Array, States
 
 
@@ -87,30 +86,27 @@ def smallest_tilt(
 
     of_states: the status that `falls_of` gives them, where it is known already.
     """
-    code = compiled.status.Status
     if how.method == "quadrature":
-        status = status_at_start(states, sided=False) if of_states is None else of_states.copy()
-        steps = np.zeros(len(states), np.int32)
-        theta = lowest_tilts(states.disk, arc_starts_of(states, face_of(states)), how.accuracy, status)
+        before = status_at_start(states, sided=False) if of_states is None else of_states.copy()
+        theta, status, steps = _by_algebra(states, how.accuracy, before)
     else:
         theta, status, steps = _both_ways(states, how)
-    return np.where(status == code.OK, theta, np.nan), status, steps
+    return np.where(status == compiled.status.Status.OK, theta, np.nan), status, steps
 
 
-def lowest_tilts(disk: Disk, motions: ArcStarts, accuracy: float, status: NDArray[np.int8]) -> Array:
-    """The tilt of motions at their flattest moment (rad), from where E - V is 0.
-
-    status: samples that come in as not OK are skipped; it becomes the outcome's.
-    """
+def _by_algebra(
+    states: States, accuracy: float, status: NDArray[np.int8]
+) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
+    """The tilt at the flattest moment, from where E - V is 0, of states whose status is OK."""
     theta, code = np.full(status.size, np.nan), compiled.status.Status
-    if not disk.body.I3 > 0.0:  # there is no potential of the tilt alone
+    if not states.disk.body.I3 > 0.0:  # there is no potential of the tilt alone
         status[status == code.OK] = code.STEP_LIMIT
-        return theta
     rows = np.flatnonzero(status == code.OK)
-    some = motions.at(rows)
-    theta[rows], error = smallest(some, ends_of(disk, some))
-    status[rows[~(error <= accuracy)]] = code.STEP_LIMIT
-    return theta
+    if rows.size:
+        motions = arc_starts_of(states, face_of(states)).at(rows)
+        theta[rows], error = smallest(motions, ends_of(states.disk, motions))
+        status[rows[~(error <= accuracy)]] = code.STEP_LIMIT
+    return theta, status, np.zeros(status.size, np.int32)
 
 
 def _both_ways(states: States, how: Plan) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:

@@ -8,8 +8,8 @@ from explorer import compiled
 from explorer.measure import laws
 from explorer.measure.density import Density
 from explorer.measure.falling_constant import falling_constant
+from explorer.measure.falling_probability import FallingProbability
 from explorer.measure.sampling import Box
-from explorer.measure.tubes import dimensions, draw_tube
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt
 from explorer.paper.checks import BODIES, HOOP, THICK, UNIFORM, at_most, near, observed
@@ -98,11 +98,11 @@ def codimension_one() -> Iterator[Finding]:
     random = np.random.Generator(np.random.Philox(35))
     for disk in (UNIFORM, HOOP, THICK):
         density = Density.of(disk)
-        C = falling_constant(disk)
+        C, beside_f = falling_constant(disk), FallingProbability(disk, density, deltas, 1e-6, draws, 0)
         value, error = np.zeros(3), np.zeros(3)
         for i, delta in enumerate(deltas):
             for face in (1, -1):
-                drawn = draw_tube(disk, density, C.mass, face, delta, random.random((draws, dimensions(density))))
+                drawn = beside_f.draw(face, float(delta), random, draws)
                 hit = np.where(drawn.theta_min < delta, drawn.weight, 0.0)
                 value[i] += hit.mean()
                 error[i] = np.hypot(error[i], hit.std() / np.sqrt(draws))

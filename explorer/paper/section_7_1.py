@@ -42,8 +42,9 @@ from explorer.paper.four_dimensions import (
     upright,
 )
 from explorer.paper.statement import Finding, statement
+from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array, theta_to_states
+from explorer.phase.states import Array
 
 _LOG = "the next term is of order η ln(1/η)"
 
@@ -147,8 +148,10 @@ def short_periods() -> Iterator[Finding]:
         M, slope = disk.I1 + 1.0, shot_slope(disk)
         sigma, speeds = rates_down(disk, 1.0, slope, 1, tilts), np.sqrt(tilts / M)
         excess = potential(disk, tilts, sigma) + 0.5 * M * speeds**2 - flat_potential(disk)
-        starts = [theta_to_states(disk, *row) for row in np.stack([tilts, speeds, *sigma]).T]
-        tau = np.array([periods(start, 1e-10, eta_hat=1e-14).period[0] for start in starts])
+        beside = coordinates_to_states(
+            disk, phi=0.5 * np.pi - tilts, phidot=-speeds, sigma3_bar=1.0, eta_hat=1e-14
+        )
+        tau = periods(beside, 1e-10).period
         ratio, want, printed = tau / np.sqrt(excess), 2.0**1.5 * np.sqrt(M), 2.0**1.5 / np.sqrt(M)
         text, why = (
             f"{disk.name}: period/√(E−V₀) at η̂ = 1e-14, E ↓ V₀; as printed M^(−1/2)",

@@ -69,7 +69,7 @@ def rates_to_states(
     Warns
     -----
     StateWarning
-        If tilts lie outside 0 to pi, or all of them beyond upright, which suggests that they are in degrees.
+        If all tilts lie beyond upright, which suggests that they are in degrees.
 
     Examples
     --------
@@ -86,7 +86,8 @@ def rates_to_states(
     (angle, turn, own, rate, down), shape = read_columns(given)
     if flag("degrees", degrees):
         angle, turn, own, rate = (np.radians(column) for column in (angle, turn, own, rate))
-    warn_of_tilts(angle, degrees)
+    else:
+        warn_of_degrees(angle)
     return replace(from_rates(disk, angle, turn, own, rate, down), shape=shape)
 
 
@@ -109,29 +110,13 @@ def from_rates(
     return replace(theta_to_states(disk, angle, rate, sigma3, own, down), shape=shape)
 
 
-def warn_of_degrees(angle: Array, stacklevel: int = 3) -> bool:
-    """Warn where tilts (rad) are probably degrees that were read as radians; whether that was so."""
+def warn_of_degrees(angle: Array, stacklevel: int = 3) -> None:
+    """Warn where tilts (rad) are probably degrees that were read as radians."""
     known = angle[np.isfinite(angle)]
-    suspicious = bool(known.size and (known > 0.5 * np.pi).all())
-    if suspicious:
+    if known.size and (known > 0.5 * np.pi).all():
         warnings.warn(
             "tilt: all tilts lie beyond upright (pi/2 rad); where they are degrees, give degrees=True, or "
             "--degrees on the command line",
-            StateWarning,
-            stacklevel=stacklevel,
-        )
-    return suspicious
-
-
-def warn_of_tilts(angle: Array, degrees: bool = False, stacklevel: int = 3) -> None:
-    """Warn of tilts (rad) that are none, and, unless degrees were said, of such as look like them."""
-    if not degrees and warn_of_degrees(angle, stacklevel + 1):
-        return
-    outside = angle[~((angle > 0.0) & (angle < np.pi))]
-    if outside.size:
-        warnings.warn(
-            f"tilt: {outside.size:,} of {angle.size:,} lie outside 0 to pi, {outside[0]:g} rad for instance, and "
-            "are no states (bad_input); a tilt is above 0, and face=-1 says that the other face would come down",
             StateWarning,
             stacklevel=stacklevel,
         )
@@ -187,7 +172,7 @@ def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
         given.setdefault("phi", 0.0)
     chart, values = chart_of("coordinates", given, 0.0)
     if "tilt" in values:
-        warn_of_tilts(column("tilt", values["tilt"]))
+        warn_of_degrees(column("tilt", values["tilt"]))
     return chart.make(disk, **values)
 
 

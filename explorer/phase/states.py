@@ -27,7 +27,7 @@ COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
 
 
 class StateWarning(UserWarning):
-    """A state is probably not what was meant: a tilt out of range or in degrees, or a state moved onto F.
+    """States are probably not what was meant: tilts look like degrees.
 
     Examples
     --------

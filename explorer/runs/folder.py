@@ -32,17 +32,15 @@ from explorer.version import installed_version
 FORMAT = 3
 PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pandas", "pyarrow", "tqdm")
 _FOLDERS = ("chunks", "bad", "figures")  # which a run makes
-MADE_BY = ("kernels", "code", "calibration")  # what decides the numbers beside the options
+MADE_BY = ("kernels", "code")  # what decides the numbers beside the options
 
 
 def identity(scene: Scene) -> dict[str, Any]:
     """What decides the numbers: two runs with equal identities have equal numbers.
 
-    code: digest of the file of a user's scene. calibration: that of steps which the machine's own one sets.
+    code: digest of the file of a user's scene.
     """
-    steps = [plan.own_steps for plan in scene.plans if plan.own_steps]
-    made_by = compiled.source_digest(), _code_of(type(scene)), _digest(json.dumps(steps)) if steps else None
-    return {"options": scene.options, **dict(zip(MADE_BY, made_by, strict=True))}
+    return {"options": scene.options, "kernels": compiled.source_digest(), "code": _code_of(type(scene))}
 
 
 @cache
@@ -93,6 +91,7 @@ def read_record(folder: Path) -> dict[str, Any]:
         digest_of_identity(record)  # which looks at what others need
         whole("chunks", record["chunks"])
         words("arithmetic", record["arithmetic"])
+        (record.get("from") or "").rpartition(":")  # words, where a scene is a user's
         read_formats("formats", words("formats", record["formats"]))
     except (InputError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: is damaged ({error}); {anew}") from None
@@ -131,7 +130,6 @@ def _remedy(what: str, record: dict[str, Any]) -> str:
     was, back = {
         "kernels": ("the kernels of nearflat were", "install that version again, as run.json names it,"),
         "code": (f"{record.get('from') or 'the code of the scene'} was", "put that file back as it was"),
-        "calibration": ("the calibration of integrators was", "name that of then by NEARFLAT_CALIBRATION"),
     }[what]
     return f"{was} changed since; {back} to resume the run, or replace the run"
 

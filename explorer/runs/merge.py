@@ -9,7 +9,7 @@ from explorer.runs.folder import differing
 from explorer.runs.run import Run
 
 # In which runs of one question may differ
-_FREE = ("seed", "samples", "chunk_size", "keep", "calibration")
+_FREE = ("seed", "samples", "chunk_size", "keep")
 
 
 def merge(*runs: Run) -> Run:

@@ -28,8 +28,8 @@ from explorer.scenes.scene import Scene
 _PATIENCE, _LOOKS = 3.5, 2
 _KEPT = 31 << 20  # bytes; glibc takes no notice of blocks of 32 MB and more
 _OTHERS = (
-    "the worker would compute other numbers than this run; give all machines the same nearflat, Python, numba, "
-    "NEARFLAT_ARITHMETIC and NEARFLAT_CALIBRATION, and the same code of the scene"
+    "the worker would compute other numbers than this run; give all machines the same nearflat, Python, numba and "
+    "NEARFLAT_ARITHMETIC, and the same code of the scene"
 )
 
 

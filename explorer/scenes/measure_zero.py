@@ -19,8 +19,7 @@ from explorer.measure.density import Density
 from explorer.measure.falling_probability import FEWEST_HITS, FallingProbability
 from explorer.measure.sampling import Range, chunk_stream
 from explorer.measure.tallies import Histogram, count_status
-from explorer.measure.tubes import dimensions, widest_eta
-from explorer.motion.plan import Plan
+from explorer.measure.tubes import widest_eta
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase.arguments import read_range
 from explorer.phase.disk import require_axial_inertia
@@ -86,7 +85,7 @@ class MeasureZero(FromDensity):
         if not {"sigma3", "sigma4"} & set(self.box.free):
             raise InputError(
                 "box: sigma3 and sigma4 are both fixed, so the falling set is met at isolated tilts or not at "
-                "all, and there are no tubes; give one of them a range (falling_constant gives C in Python)"
+                "all; give one of them a range"
             )
         if self.source.reaches_flat():
             raise InputError(
@@ -151,8 +150,7 @@ class MeasureZero(FromDensity):
         """Draws in a tube. sigma3 and sigma4 are NaN: doubles do not hold such a small eta_hat as a difference."""
         tube, count, tally = index // self._batches, self.length(index), ZeroCounts()
         rung, face = tube // 2, 1 if tube % 2 == 0 else -1
-        points = chunk_stream(self.seed, index).random((count, dimensions(self.source)))
-        draws = self.probability.draw(face, float(self.deltas[rung]), points)
+        draws = self.probability.draw(face, float(self.deltas[rung]), chunk_stream(self.seed, index), count)
         tally.batches += [self.probability.batch(rung, face, draws)]
         table = {
             **vars(draws),
@@ -198,10 +196,6 @@ class MeasureZero(FromDensity):
     def kernels(self) -> tuple[str, ...]:
         of_f = "falling.critical_X2_batch", "falling.barrier_batch", "falling.line_chart_batch"
         return "algebra.constants_batch", *of_f, *tilt_kernels(self.plan), *invariance.kernels()
-
-    @property
-    def plans(self) -> tuple[Plan, ...]:
-        return *super().plans, invariance.following()
 
     def summarise(self, tally: ZeroCounts) -> dict[str, Any]:
         found = self.probability.summary(tally.below.counts, tally.falls, tally.batches)

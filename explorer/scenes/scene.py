@@ -158,11 +158,6 @@ class Scene(Options, ABC):
         """How the observables are computed. Raises InputError where the method cannot give them."""
         return plan(self.observables, self.accuracy, self.method)
 
-    @property
-    def plans(self) -> tuple[Plan, ...]:
-        """Every plan by which its numbers are computed; their steps are part of what a run is."""
-        return (self.plan,)
-
 
 class SampledScene(Scene):
     """How many samples, and which of them are stored."""

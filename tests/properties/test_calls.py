@@ -18,7 +18,7 @@ CALLS = {
     "coordinates_to_states": "disk phi phidot sigma3_bar sigma4_bar",
     "constants": "states",
     "falls": "states",
-    "periods": "states accuracy? eta_hat? jobs? method?",
+    "periods": "states accuracy? jobs? method?",
     "bounces": "states count? accuracy? jobs? method?",
     "compare": "states count? accuracy? jobs?",
     "simulate": "states max_steps t_end t_eval observables? accuracy? method? jobs?",

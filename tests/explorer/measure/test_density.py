@@ -55,15 +55,11 @@ def test_draws_follow_the_gaussian_and_the_function():
     assert kstest(slope["phi"], lambda phi: 0.25 * (1.0 + phi) ** 2).pvalue > 1e-3
 
 
-def test_draws_stay_in_the_range_of_energy_and_are_inside():
+def test_draws_stay_in_the_range_of_energy():
     density = Density.of(UNIFORM, "phi=-1:1", (1.5, 2.5))
     drawn = density.draw(UNIFORM, chunk_stream(2, 0), 3000)
     energy = phi_to_states(UNIFORM, **drawn).motion.energy
     assert ((energy >= 1.5) & (energy <= 2.5)).all()
-    columns = [drawn[name] for name in ("phi", "phidot", "sigma3", "sigma4")]
-    assert density.inside(*columns, energy).all()
-    assert not density.inside(*columns, energy + 1.1).any()
-    assert not density.inside(columns[0] + 2.1, *columns[1:], energy).any()
 
 
 def test_a_function_that_exceeds_its_looked_up_maximum_is_refused():
@@ -111,12 +107,12 @@ def test_a_density_says_what_it_is_and_tells_functions_apart():
     [
         ({"energy": (2.0, 1.0)}, "is empty"),
         ({"energy": "some"}, "is not a range"),
-        ({"gaussian": "sigma3=0:1"}, "the box fixes it"),
+        ({"gaussian": "sigma3=0:1"}, "box has no range for"),
         ({"gaussian": 0.5}, "is no text"),
         ({"gaussian": "phi=0:0"}, "MEAN:DEVIATION"),
-        ({"gaussian": "phi=0:1e-9"}, "is a point"),
-        ({"gaussian": "phi=50:1"}, "more than 37 deviations"),
-        ({"gaussian": "phi=15:0.25"}, "more than 37 deviations"),
+        ({"gaussian": "phi=0:1e-9"}, "MEAN:DEVIATION"),
+        ({"gaussian": "phi=50:1"}, "at most 37 deviations outside"),
+        ({"gaussian": "phi=15:0.25"}, "at most 37 deviations outside"),
         ({"density": 3.0}, "cannot be called"),
         ({"box": "phidot=-1e9:1e9"}, "narrow it"),
         ({"disk": ex.Disk(I1=1e-6, I3=2e-6)}, "too steep"),

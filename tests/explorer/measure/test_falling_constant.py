@@ -143,20 +143,6 @@ def test_a_narrow_gaussian_is_not_missed():
     assert found.value == pytest.approx(at.value, rel=1e-5)
 
 
-def test_boxes_that_fix_both_rates_are_limits_of_thin_ones():
-    """F is met at isolated tilts then; a slab of width 2h in both rates tends to it like h^2."""
-    disk = ex.Disk.uniform()
-    thin = [
-        falling_constant(disk, f"phi=-1.2:1.2,sigma3={0.8 - h}:{0.8 + h},sigma4={1.2 - h}:{1.2 + h}").value
-        for h in (0.02, 0.01)
-    ]
-    fixed = falling_constant(disk, "phi=-1.2:1.2,sigma3=0.8,sigma4=1.2")
-    assert fixed.value > 0.1
-    assert thin[1] + (thin[1] - thin[0]) / 3.0 == pytest.approx(fixed.value, rel=1e-4)
-    assert falling_constant(disk, "phi=0.3,sigma3=0.8,sigma4=0.5").value == 0.0
-    assert falling_constant(disk, "phi=-1:1,sigma3=0,sigma4=0").value == math.inf
-
-
 def test_a_box_beside_the_lines_has_no_constant():
     assert falling_constant(ex.Disk.uniform(), "sigma3=1:2,sigma4=-0.1:0.1").value == 0.0
 
@@ -176,7 +162,8 @@ def test_a_density_that_does_not_vanish_at_flat_has_none_unless_the_energy_is_bo
         ({"energy": (3.0, 2.0)}, "is empty"),
         ({"energy": "some"}, "is not a range"),
         ({"energy": (None, 0.5)}, "zero in all of the box"),
-        ({"gaussian": "phi=0:1"}, "the box fixes it"),
+        ({"gaussian": "phi=0:1"}, "box has no range for"),
+        ({"box": "phi=-1:1,sigma3=0.8,sigma4=1.2"}, "both fixed"),
         ({"gaussian": "sigma3=0:-1"}, "MEAN:DEVIATION"),
         ({"density": 3.0}, "cannot be called"),
         ({"density": lambda *_: np.nan}, "is nan at phi = 0"),

@@ -5,7 +5,6 @@ import pytest
 
 from explorer.measure.density import Density
 from explorer.measure.falling_probability import FallingProbability
-from explorer.measure.tubes import dimensions
 from explorer.phase.disk import Disk
 
 DELTAS = 10.0 ** -np.arange(1.0, 7.0)
@@ -18,8 +17,7 @@ def probability():
 
 
 def drawn(probability, rung, count=512):
-    points = np.random.default_rng(rung).random((count, dimensions(probability.source)))
-    return probability.draw(1, float(DELTAS[rung]), points)
+    return probability.draw(1, float(DELTAS[rung]), np.random.default_rng(rung), count)
 
 
 def test_plain_draws_are_counted_between_rungs_and_those_whose_tilt_is_not_known_as_below_none(probability):

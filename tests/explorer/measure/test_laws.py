@@ -108,8 +108,9 @@ def test_totals_of_rungs_are_those_of_each_however_small(scale):
     np.testing.assert_allclose(found.dof, [25.0 / (1.0 / 10.0 + 16.0 / 20.0), np.inf])
 
 
-def test_the_error_of_a_mean_is_that_of_its_draws():
+def test_the_error_of_equal_batches_is_that_of_their_spread_or_of_the_draws():
     sums, draws = np.array([1.0, 2.0, 3.0, 4.0]), np.full(4, 100.0)
-    found = laws.mean_of_draws(sums, sums, draws)
-    assert (found.value, found.dof) == (pytest.approx(0.025), 399)
-    assert found.error == pytest.approx(np.sqrt((0.025 - 0.025**2) / 399))
+    independent = laws.mean_of_draws(sums, sums, draws)
+    assert independent.value == pytest.approx(0.025)
+    assert independent.error == pytest.approx(np.sqrt((0.025 - 0.025**2) / 399))
+    assert independent.dof == 399

@@ -81,20 +81,6 @@ def test_both_sides_start_anywhere_on_f_and_come_nearer_to_their_limits(face):
         ex.both_sides(start, 0.0)
 
 
-def test_a_state_beside_f_is_moved_once_for_motions_and_limits_and_its_line_is_warned():
-    beside = ex.phi_to_states(ex.Disk.uniform(), 0.3, 0.8, 0.5, 0.2)
-    apart = []
-    for eta_hat in (1e-4, 1e-8):
-        with pytest.warns(ex.StateWarning, match="moved onto it") as told:
-            both = ex.both_sides(beside, eta_hat)
-        assert [warning.filename for warning in told] == [__file__]
-        assert both.start.phi == pytest.approx(0.3)
-        assert both.start.phidot == pytest.approx(0.8)
-        apart.append(max(abs(both.motions[s]["chi"][-1] - both.limits[s].chi[-1]) for s in (1, -1)))
-    assert apart[0] < 0.1
-    assert apart[1] < 1e-3 * apart[0]
-
-
 def test_the_path_of_the_limit_with_its_races_is_that_of_a_motion_beside_it():
     both = ex.both_sides(beside(HOOP, START, 0.0), 1e-4)
     for sign in (1, -1):

@@ -207,16 +207,12 @@ def test_anything_but_one_state_is_refused():
             limit_motion(states)
 
 
-def test_a_state_beside_f_is_moved_onto_it_and_that_is_told():
+def test_a_state_beside_f_has_no_limit_motion_and_rounding_is_no_distance():
     disk = BODIES["uniform"]
-    on_f = limit_motion(start_on_f(disk, 1), 1)
-    assert abs(on_f.missed) < 1e-15
-    beside = ex.constants_to_states(disk, 1.0, 0.01, 1.0)
-    with pytest.warns(ex.StateWarning, match=r"eta_hat = 0\.01, and was moved"):
-        moved = limit_motion(beside, 1)
-    assert moved.missed == pytest.approx(0.01)
-    rounded = limit_motion(ex.constants_to_states(disk, 1.0, 1e-14, 1.0), 1)  # warnings are errors here
-    assert rounded.missed == pytest.approx(1e-14, rel=0.1)
+    with pytest.raises(ex.InputError, match=r"lies beside F, at eta_hat = 0\.01; for the one on F use"):
+        limit_motion(ex.constants_to_states(disk, 1.0, 0.01, 1.0), 1)
+    rounded, exact = (limit_motion(ex.constants_to_states(disk, 1.0, eta, 1.0), 1) for eta in (1e-14, 0.0))
+    assert rounded.period == pytest.approx(exact.period, rel=1e-12)
 
 
 @pytest.mark.parametrize("sigma3_bar", [5e-324, -1e-310, 1e-300])

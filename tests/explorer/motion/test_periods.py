@@ -56,9 +56,9 @@ def test_slow_rocking_near_flat_turns_by_the_eulers_disk_angle():
         eta = 1e-9
         theta0 = eta ** (2 / 3) / b.I1 ** (1 / 3)
         excess = math.sqrt(2 * (1.001 - 1) * 1.5 * theta0 / b.M)
-        eta_hat = eta / (b.I3 * b.r0)
-        states = ex.theta_to_states(disk, theta0, excess, eta / b.I1, 0.0)
-        got = ex.periods(states, 1e-6, eta_hat=eta_hat)
+        bar = ex.constants(ex.theta_to_states(disk, theta0, excess, eta / b.I1, 0.0)).sigma3_bar
+        given = {"phi": 0.5 * math.pi - theta0, "phidot": -excess, "sigma3_bar": bar}
+        got = ex.periods(ex.coordinates_to_states(disk, **given, eta_hat=eta / (b.I3 * b.r0)), 1e-6)
         assert got.status[0] == ex.Status.OK
         assert got.chi[0] / np.pi == pytest.approx(turn, abs=2e-3)
 
@@ -72,25 +72,6 @@ def test_periods_on_f_fall_and_beside_it_need_the_eta_they_were_given():
     assert found.chi[0] - found.chi[1] == pytest.approx(2 * disk.race_limit, abs=1e-9)
     rows = phi_to_states(disk, 0.0, 1.0, 1.0, 0.7285923160189477)
     assert ex.periods(rows).status[0] in (ex.Status.FALLS, ex.Status.UNRESOLVED_SIDE)
-
-
-@pytest.mark.parametrize("eta_hat", [1000.0, -0.3])
-@pytest.mark.parametrize("phi", [0.0, 0.7, -1.4])
-def test_another_eta_hat_than_the_state_has_is_another_motion(phi, eta_hat):
-    """The one with the tilt, phidot and sigma3_bar of the state and with that eta_hat."""
-    disk, face = BODIES["uniform"], 1.0 if phi >= 0.0 else -1.0
-    state = phi_to_states(disk, phi, 0.0, 1.0, 0.2)
-    got = ex.periods(state, 1e-9, eta_hat=eta_hat)
-    # sigma3_bar and eta_hat are linear in both rates.
-    own, a, b = (
-        ex.constants(phi_to_states(disk, phi, 0.0, *rates)) for rates in ((1.0, 0.2), (1.0, 0.0), (0.0, 1.0))
-    )
-    chart = [[of.sigma3_bar[0], (of.eta_hat_plus if face > 0.0 else of.eta_hat_minus)[0]] for of in (a, b)]
-    rates = np.linalg.solve(np.transpose(chart), [own.sigma3_bar[0], eta_hat])
-    expected = ex.periods(phi_to_states(disk, phi, 0.0, *rates), 1e-9)
-    assert got.ok.all()
-    np.testing.assert_allclose(got.period, expected.period, rtol=1e-9)
-    np.testing.assert_allclose(got.chi, expected.chi, atol=1e-9)
 
 
 def test_any_number_of_threads_gives_the_same_periods():

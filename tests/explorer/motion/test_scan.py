@@ -56,13 +56,6 @@ def test_what_is_no_observable_is_refused_in_words(observable, message):
         scan(STATES, observable)
 
 
-def test_rows_of_another_shape_for_some_states_are_refused():
-    with pytest.raises(
-        ex.InputError, match=r"'rows' with rows of shape \(3,\) for some states and \(10,\) for other"
-    ):
-        scan(STATES, lambda batch: {"rows": np.zeros((len(batch), len(batch)))}, batch=10)
-
-
 def test_arrays_have_the_shape_of_the_states_and_a_table_has_their_entries():
     states = ex.phi_to_states(DISK, 0.2, [[0.5], [0.6]], np.linspace(-1.0, 1.0, 7), 0.3)
     found = scan(states, lambda batch: {"pair": np.stack([batch.phidot, batch.sigma3], axis=1), "one": batch.phi})

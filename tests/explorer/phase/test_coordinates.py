@@ -100,18 +100,15 @@ def test_an_eta_hat_belongs_to_the_face_that_is_said():
     np.testing.assert_allclose(known.sigma3_bar, 0.6, rtol=1e-13)
 
 
-@pytest.mark.parametrize(
-    ("tilt", "said"),
-    [(10.0, "degrees=True"), ([2.0, 3.0], "degrees=True"), ([0.5, -0.1], "1 of 2 lie outside 0 to pi, -0.1 rad")],
-)
-def test_tilts_that_are_probably_not_meant_are_told(tilt, said):
+@pytest.mark.parametrize("tilt", [10.0, [2.0, 3.0]])
+def test_tilts_that_are_probably_degrees_are_told(tilt):
     ways = (
         ex.rates_to_states,
         lambda *given: ex.steady_motions(*given[:2], given[3]),
         lambda *given: ex.coordinates_to_states(given[0], tilt=given[1], precession=given[3], spin=given[4]),
     )
     for make in ways:
-        with pytest.warns(ex.StateWarning, match=said):
+        with pytest.warns(ex.StateWarning, match="degrees=True"):
             make(ex.Disk.uniform(), tilt, 0.0, 1.0, 1.0)
 
 
@@ -123,13 +120,11 @@ def test_tilts_in_degrees_that_are_said_to_be_are_silent():
     assert ex.rates_to_states(ex.Disk.uniform(), [0.5, 2.0]).status.tolist() == [0, 0]
 
 
-def test_a_tilt_that_is_no_number_is_warned_of():
-    with pytest.warns(ex.StateWarning, match="1 of 3 lie outside 0 to pi, nan rad"):
-        assert ex.rates_to_states(ex.Disk.uniform(), [0.5, 2.0, np.nan]).status.tolist() == [0, 0, 2]
+def test_a_tilt_that_is_none_is_bad_input():
+    assert ex.rates_to_states(ex.Disk.uniform(), [0.5, 2.0, np.nan, -0.1, 4.0]).status.tolist() == [0, 0, 2, 2, 2]
 
 
 def test_warnings_of_tilts_point_at_the_line_of_the_user():
-    for tilt in (10.0, [0.5, -0.5]):
-        with pytest.warns(ex.StateWarning) as told:
-            ex.rates_to_states(COIN, tilt, 0.0, 1.0, 1.0)
-        assert told[0].filename == __file__
+    with pytest.warns(ex.StateWarning) as told:
+        ex.rates_to_states(COIN, 10.0, 0.0, 1.0, 1.0)
+    assert told[0].filename == __file__

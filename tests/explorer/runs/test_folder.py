@@ -10,7 +10,6 @@ from coins import SMALL, Coins
 
 import explorer as ex
 from explorer import compiled
-from explorer.motion import calibration
 from explorer.runs.folder import FORMAT, opened, read_record
 from explorer.scenes import scene as scenes
 
@@ -63,7 +62,6 @@ def test_a_folder_remembers_the_file_of_a_user_s_scene(finished, monkeypatch):
         ({}, {"samples": 2000}, "run with samples = 3000, now samples = 2000"),
         ({"kernels": "0" * 64}, {}, "the kernels of nearflat were changed since"),
         ({"code": "1" * 16}, {}, r"coins\.py:Coins was changed since; put that file back"),
-        ({"calibration": "2" * 16}, {}, "the calibration of integrators was changed since"),
     ],
 )
 def test_a_run_is_not_continued_by_what_would_compute_other_numbers(record, options, message, finished):
@@ -79,30 +77,6 @@ def test_a_run_is_not_continued_by_what_would_compute_other_numbers(record, opti
         if what
         else []
     )
-
-
-def measure(path, error):
-    """Make a calibration of this machine's own, with errors so many times those of the shipped one."""
-    shipped = (Path(calibration.__file__).parent / "calibration.json").read_text(encoding="utf-8")
-    table = json.loads(shipped) | {"kernels": compiled.source_digest()}
-    table["methods"]["rk8"] = [[error * row[0], row[1]] for row in table["methods"]["rk8"]]
-    path.write_text(json.dumps(table), encoding="utf-8")
-    calibration.current.cache_clear()
-
-
-def test_a_run_by_steps_of_another_calibration_is_not_continued(private, tmp_path):
-    """Its chunks would be of two kinds. Quadrature takes no steps."""
-    measure(private, 1.0)
-    runs = {
-        method: ex.run("race-angles", out=tmp_path / method, method=method, **RACES)
-        for method in ("rk8", "quadrature")
-    }
-    assert [bool(run.identity["calibration"]) for run in runs.values()] == [True, False]
-    measure(private, 1.5)
-    assert ex.open(runs["quadrature"].folder).resume().verify() == []
-    with pytest.raises(ex.InputError, match="the calibration of integrators was changed since"):
-        ex.open(runs["rk8"].folder).resume()
-    assert ex.open(runs["rk8"].folder).summary == runs["rk8"].summary
 
 
 def test_samples_may_be_added_and_the_short_last_chunk_is_computed_anew(finished, capsys):
