@@ -20,7 +20,7 @@ def test_chunks_cover_all_samples_once(name):
 # Scenes in the ways that call different kernels, small.
 WAYS = {
     "falling-set": {"samples": 300},
-    "falling-set, in one pass": {"samples": 300, "theta_min": "near"},
+    "falling-set, in one pass": {"samples": 30_000, "theta_min": "near"},
     "falling-set, integrated": {"samples": 300, "method": "dop853", "accuracy": 1e-3},
     "falling-set, given": {"states": {"phi": [0.1], "phidot": [0.3], "sigma3": [0.4], "sigma4": [0.5]}},
     "race-angles": {"samples": 300},
