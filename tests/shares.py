@@ -1,11 +1,11 @@
-"""What tests and reports of the accuracy paid for share: samples with true answers, and shares of the accuracy."""
+"""The accuracy paid for: samples with true answers, and their errors as shares of the accuracy asked."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 import explorer as ex
-from explorer.motion.reference_samples import ANY_ERROR, IN_TIME, RACING, ReferenceMotions, ReferencePassages
+from explorer.motion.reference_samples import IN_TIME, RACING, ReferenceMotions, ReferencePassages
 from explorer.motion.vertical import starts_at_vertical
 
 ACCURACIES = 10.0 ** -np.arange(2, 11)
@@ -49,26 +49,6 @@ def assert_paid_for(measured, method):
         assert got.wrong_way == 0, (accuracy, got)
 
 
-def line_of(names, row):
-    """A row of the table of `table_of`: its names, and its Share at each accuracy, the worst of which ends it."""
-    shares = " | ".join(f"{share.p99:.2g}" for share in row)
-    over, answered = max(share.over_estimate for share in row), min(share.answered for share in row)
-    wrong = sum(share.wrong_way for share in row)
-    return f"| {' | '.join(names)} | {shares} | {over:.2g} | {answered:.1%} | {wrong} |"
-
-
-def table_of(heads, lines):
-    """The lines of `line_of` under their heads."""
-    columns = [*heads, *(f"{a:.0e}" for a in ACCURACIES), "over estimate", "answered", "wrong way"]
-    return [f"| {' | '.join(columns)} |", "|---" * len(columns) + "|", *lines]
-
-
-def counted(rows):
-    """How many entries lie outside of a hundredth of the accuracy to all of it, in words."""
-    every = np.array([share.p99 for row in rows for share in row])
-    return f"Of the {every.size} entries, {(every < 0.01).sum()} lie below 0.01 and {(every > 1.0).sum()} above 1."
-
-
 def across(disk, n, seed):
     """sigma3_bar, eta_hat, phidot and face of starts at the vertical at distances from F from 1e-8 to 1."""
     rng, unit = np.random.default_rng(seed), disk.rate_unit
@@ -77,40 +57,11 @@ def across(disk, n, seed):
     return bar * unit, eta_hat * unit, speed * unit, face
 
 
-def upright(disk, count, seed):
-    """States at the vertical, of any distance from F between 1e-8 and 1."""
-    random, unit = np.random.default_rng(seed), disk.rate_unit
-    eta = 10.0 ** random.uniform(-8.0, 0.0, count) * random.choice([-1.0, 1.0], count)
-    bar, speed = random.uniform(-1.5, 1.5, count), random.uniform(0.3, 2.0, count)
-    return ex.constants_to_states(disk, unit * bar, unit * eta, unit * speed)
-
-
 def anywhere(disk, count, seed):
     """States all over the phase space, most of which do not cross the vertical."""
     random, unit = np.random.default_rng(seed), disk.rate_unit
     rates = unit * random.uniform(-1.0, 1.0, (3, count))
     return ex.phi_to_states(disk, random.uniform(-1.4, 1.4, count), *rates)
-
-
-def near_flat(disk, count, seed):
-    """States at any tilt from 1e-7 to the vertical, log-uniform: many of so little energy that they stay there."""
-    random, unit = np.random.default_rng(seed), disk.rate_unit
-    normal = random.normal
-    tilt = 10.0 ** random.uniform(-7.0, np.log10(0.5 * np.pi), count)
-    phi = (0.5 * np.pi - tilt) * random.choice([-1.0, 1.0], count)
-    sigma3 = np.sin(tilt) * 10.0 ** random.uniform(-2.0, 1.0, count) * normal(size=count)
-    return ex.phi_to_states(
-        disk, phi, *(unit * np.array([0.3 * normal(size=count), sigma3, 2.0 * normal(size=count)]))
-    )
-
-
-def slow(disk, count, seed):
-    """States at the vertical that leave it with 1e-5 to 1 of a usual speed."""
-    random = np.random.default_rng(seed)
-    speed = 10.0 ** random.uniform(-5.0, 0.0, count) * random.choice([-1.0, 1.0], count)
-    return ex.phi_to_states(
-        disk, 0.0, *(disk.rate_unit * np.array([speed, *random.normal(0.0, [[1.0], [2.0]], (2, count))]))
-    )
 
 
 class Passages:
@@ -154,11 +105,6 @@ class Motions:
         estimates, ok = (np.concatenate([getattr(m, name) for m in found]) for name in ("error_estimate", "ok"))
         columns = (tried.errors, estimates, ok, tried.wrong_way, self.passages)
         return share_of(accuracy, *(column[self.known] for column in columns))
-
-    def doubt(self):
-        """The 99th percentile of the difference between the true answers and those by another method."""
-        how = self.samples.plan("dop853", ANY_ERROR, 1e-15)
-        return float(np.percentile(self.samples.compare(self.samples.call(how), ANY_ERROR).errors[self.known], 99))
 
 
 class Curves(Motions):

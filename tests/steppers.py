@@ -5,9 +5,7 @@ import numpy as np
 from conftest import BODIES
 
 from kernels.disk.algebra import constants_batch
-from kernels.disk.chaplygin import solutions
-from kernels.disk.constants import depth_below_vertical, from_solutions
-from kernels.disk.field import State, energy
+from kernels.disk.field import State
 from kernels.status import Status
 from kernels.steps import attempt, engine
 from kernels.steps.adaptive import dopri5_step
@@ -79,12 +77,6 @@ def follow(method, depth, states, control, event=TURNING_POINT, values=(0.0,), l
     no_history = History(0.0, 0.0, np.empty((0, COLUMNS)), np.zeros(1, np.int64), 0)
     engine.FOLLOW[method, depth](work, no_history, UNIFORM.natural, UNIFORM.whole)
     return work
-
-
-def constants_of(x, disk):
-    """The constants of one state, by the library's logarithm and the series as they stand."""
-    S, log_S = depth_below_vertical(x.q, x.z)
-    return from_solutions(x, solutions(S, log_S, disk.body.c, disk.series), energy(x, disk.body), disk.body)
 
 
 def linear(states):

@@ -32,11 +32,6 @@ def test_every_command_of_the_readme_has_options_that_exist(line):
     parser_of(name, words).parse_args(words)
 
 
-def test_the_readme_is_a_page_and_not_a_book():
-    """Its blocks run in tests/docs, with those of the guide."""
-    assert len(README.splitlines()) <= 100
-
-
 def test_files_that_the_readme_names_are_there():
     named = set(re.findall(r"(?:src=\"|`)((?:results|docs)/[\w./-]+)", README)) - {"results/demo/"}
     assert named

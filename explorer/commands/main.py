@@ -6,6 +6,7 @@ and `call(options)`, which returns an `Answer`; nothing heavy is imported before
 """
 
 import argparse
+import contextlib
 import gc
 import json
 import os
@@ -204,7 +205,8 @@ def _require_known(name: str) -> None:
 
 
 def _complain(name: str, error: object, status: int) -> int:
-    print(f"{name}: {error}", file=sys.stderr)
+    with contextlib.suppress(OSError):  # the terminal may be closed
+        print(f"{name}: {error}", file=sys.stderr)
     return status
 
 

@@ -91,6 +91,7 @@ def read_record(folder: Path) -> dict[str, Any]:
         digest_of_identity(record)  # which looks at what others need
         whole("chunks", record["chunks"])
         words("arithmetic", record["arithmetic"])
+        (record.get("from") or "").rpartition(":")  # words, where a scene is a user's
         read_formats("formats", words("formats", record["formats"]))
     except (InputError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: is damaged ({error}); {anew}") from None

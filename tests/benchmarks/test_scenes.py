@@ -18,7 +18,7 @@ from explorer.phase.states import phi_to_states
 from explorer.scenes.falling_set import FallingSet
 from kernels.disk import falling
 
-STATES = 1 << 20
+STATES = 1 << 18
 
 
 @pytest.mark.benchmark(group="could it fall")

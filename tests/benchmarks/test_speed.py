@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from conftest import BODIES
 from passing import batch
-from steppers import constants_of
 
 import explorer as ex
 from explorer import compiled
@@ -20,7 +19,6 @@ from explorer.motion.plan import plan
 from explorer.motion.trajectories import trajectories
 from explorer.motion.work_precision import STAGES
 from explorer.phase.states import constants_to_states
-from kernels.disk.field import column
 
 SAMPLES = 4096
 # method, step or tolerance, steps of all samples together, 99th percentile of the error
@@ -96,31 +94,6 @@ def test_passages_by_quadrature(benchmark, work):
     exact, status = batch(disk, *start, 1e-11, by_tables=False)
     assert np.nanpercentile(abs(exact[1] - finest.delta_chi)[answered], 99) <= 1e-12
     benchmark.extra_info["p99 error"] = p99
-
-
-@pytest.mark.benchmark(group="passages by accuracy")
-@pytest.mark.parametrize("accuracy", [1e-3, 1e-5, 1e-11])
-def test_passages_by_accuracy(benchmark, work, accuracy):
-    """The public call from loose to tight, to be read as ratios."""
-    got = benchmark(ex.passages, work.disk, *work.start, accuracy=accuracy)
-    exact = ex.passages(work.disk, *work.start, accuracy=1e-11)
-    settled = (got.status == 0) & (exact.status == 0)
-    p99 = float(np.percentile(abs(got.race_angle - exact.race_angle)[settled], 99))
-    assert p99 <= accuracy
-    benchmark.extra_info["p99 error"] = p99
-
-
-def test_constants_of_motion(benchmark, work):
-    """In lanes, against one state at a time."""
-    disk, states = work.disk, np.ascontiguousarray(work.states.natural)
-    found = np.empty((6, SAMPLES))
-    call = (states, disk.whole, disk.natural, found)
-    compiled.algebra.constants_batch(*call)
-    benchmark(compiled.algebra.constants_batch, *call)
-    one = [constants_of(column(states, i), disk.natural) for i in range(SAMPLES)]
-    error = float(np.max(abs(found[:4].T - np.array(one)[:, :4])))
-    assert error <= 1e-14
-    benchmark.extra_info["largest error"] = error
 
 
 @pytest.mark.parametrize("method", ["dopri5", "dop853"])

@@ -8,8 +8,7 @@ from browser.test_page import box, inside
 AXE = resources.files("axe_core_python").joinpath("axe.min.js")
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("size", [(1280, 800), (375, 700)], ids=str)
+@pytest.mark.parametrize(("size", "scheme"), [((1280, 800), "light"), ((375, 700), "dark")], ids=str)
 def test_axe_finds_nothing_serious(page, scheme, size):
     page.prefer(color_scheme=scheme)
     page.size(*size)

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from docs.pages import IMAGES, PAGES, ROOT, parse, pictures, run, stored_digest
+from docs.pages import IMAGES, PAGES, ROOT, pictures, run, stored_digest
 
 import explorer as ex
 
@@ -40,19 +40,3 @@ def test_there_is_no_picture_without_a_page():
     saved = {f"{name}.png" for page in PAGES for name in pictures(page)}
     shown = {target.rsplit("/")[-1] for page in PAGES for target in LINK.findall(page.read_text("utf-8"))}
     assert {path.name for path in IMAGES.iterdir()} <= saved | shown
-
-
-@pytest.mark.parametrize(("block", "complaint"), [
-    ("```python\n>>> 1 + 1\n3\n```\n", "Expected:\n    3"),
-    ("```python\nraise ValueError('no')\n```\n", "no"),
-    ("```sh\nnearflat passage --eta-hat nought\n```\n", ""),
-    ("```sh\nrm -r results\n```\n", "runs `nearflat` only"),
-    ("```sh\nnearflat plan measure-zero\n```\n\n```text\nsomething else\n```\n", "something else"),
-])  # fmt: skip
-def test_a_wrong_block_fails_and_names_its_line(block, complaint, tmp_path):
-    page = tmp_path / "page.md"
-    page.write_text(f"# A page\n\n{block}", encoding="utf-8")
-    assert list(parse(page).examples())
-    with pytest.raises((Exception, SystemExit)) as failed:
-        run(page, tmp_path)
-    assert complaint in str(failed.value)

@@ -36,9 +36,3 @@ def test_every_option_column_status_and_scene_is_in_the_glossary():
 def test_links_of_a_page_lead_to_files(page):
     targets = [target for target in LINK.findall(TEXT[page]) if "://" not in target]
     assert [target for target in targets if not (page.parent / target).exists()] == []
-
-
-def test_cited_identifiers_have_the_form_of_a_doi():
-    cited = re.findall(r"doi:(\S+?)[\s),;]", "\n".join(TEXT.values()), flags=re.IGNORECASE)
-    assert cited
-    assert [doi for doi in cited if not re.fullmatch(r"10\.\d{4,9}/[-.;()/:\w]+", doi)] == []

@@ -2,7 +2,7 @@
 
 import numpy as np
 from matplotlib.figure import Figure
-from peers.measuring import ASKED, KERNEL, PEER
+from peers.measuring import ASKED, PEER
 from peers.tables import INTEGRATED, QUADRATURE, best_asked, names_of, reaching, times
 
 from explorer.pictures.register import Caption, Question, add_caption
@@ -61,7 +61,7 @@ def _title(rows, kind):
 def _series(rows, kind):
     """((p99, rate) of each point, name and look) of all that is drawn in a panel."""
     own = {"color": DARK, "lw": 2.4, "ms": 8, "zorder": 5}
-    exact = _right(row for row in rows if row.name == QUADRATURE and row.kind != KERNEL)
+    exact = _right(row for row in rows if row.name == QUADRATURE)
     yield exact, {**own, "label": "passages, quadrature", "marker": "*", "ms": 14}
     front = [best_asked(rows, INTEGRATED, accuracy) for accuracy in ASKED]
     yield _right(row for row in front if row), {**own, "label": "passages, integrated", "marker": MARKERS[0]}

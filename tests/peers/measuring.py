@@ -16,7 +16,7 @@ ROUNDS = 5
 LEAST = 0.03  # seconds of a measurement; quick solvers are called more often
 SLOW = 0.25  # seconds of a call, above which two rounds are enough
 
-PUBLIC, KERNEL, PEER = "public call", "kernel", "peer"
+PUBLIC, PEER = "public call", "peer"
 
 
 class Solver(NamedTuple):
@@ -71,26 +71,19 @@ def loops():
 
 
 def mine():
-    """name, kind, maker, settings, what is exact."""
-    steps4, steps8 = (0.5, 0.4, 0.3, 0.2, 0.1, 0.05), (1.2, 1.0, 0.8, 0.6, 0.5, 0.4, 0.3, 0.2, 0.15)
+    """name, maker, settings, what is exact, of what a user calls."""
     whole, end = work().passage, work().chi
     for method in METHODS:
-        yield f"passages, {method}", PUBLIC, ours.passages(method), ASKED, whole
-    yield "passages, quadrature", PUBLIC, ours.passages("quadrature"), (1e-3, 1e-6, 1e-11), whole
-    yield "simulate", PUBLIC, ours.simulate(), ASKED, end
-    for half, what, exact in ((False, "to t = 1.6", end), (True, "half, doubled", whole)):
-        yield f"rk4, {what}", KERNEL, ours.integrator("rk4", not half), steps4, exact
-        yield f"rk8, {what}", KERNEL, ours.integrator("rk8", not half), steps8, exact
-        yield f"dopri5, {what}", KERNEL, ours.integrator("dopri5", not half), TIGHT[1:9], exact
-        yield f"dop853, {what}", KERNEL, ours.integrator("dop853", not half), TIGHT, exact
-    yield "quadrature", KERNEL, ours.quadrature(), (1e-3, 1e-6, 1e-11), whole
+        yield f"passages, {method}", ours.passages(method), ASKED, whole
+    yield "passages, quadrature", ours.passages("quadrature"), (1e-3, 1e-6, 1e-11), whole
+    yield "simulate", ours.simulate(), ASKED, end
 
 
 def all_solvers(begin=""):
     """Ours and the peers whose names begin so, ready to be called, and sentences on those that are not here."""
     found, missing = [], []
-    for name, kind, make, settings, exact in mine():
-        found += [Solver(name, at, kind, make(at), exact, COUNT * ours.COPIES) for at in settings]
+    for name, make, settings, exact in mine():
+        found += [Solver(name, at, PUBLIC, make(at), exact, COUNT * ours.COPIES) for at in settings]
     for name, maker, settings, n in peers():
         if not name.startswith(begin):
             continue

@@ -6,7 +6,6 @@ from peers import cpp
 from peers.measuring import ASKED, METHODS, PEER, PUBLIC
 
 INTEGRATED = tuple(f"passages, {method}" for method in METHODS)
-KERNELS = tuple(f"{method}, to t = 1.6" for method in METHODS)
 QUADRATURE = "passages, quadrature"
 FRONT = "| speed of calls on one core, error below 10⁻⁶, relative to heyoka (a fast Taylor solver) in batches"
 ORIGIN = "The speeds were measured in one run on "
@@ -83,16 +82,6 @@ def ratios(rows):
         cells += [times(asked_at(rows, "simulate", at), peer) for at, peer in zip(ASKED, peers, strict=True)]
         cells += [times(asked_at(rows, QUADRATURE, at), peer) for at, peer in zip(ASKED[:2], peers, strict=False)]
         cells += [times(exact, peers[2]), times(exact, most_accurate(rows, name))]
-        lines.append((name, *cells))
-    return _table(heads, lines)
-
-
-def kernels(rows):
-    """The same of the kernels inside, followed to t = 1.6 as the peers are."""
-    heads = ("peer", *(f"kernel, p99 <= {target:g}" for target in ASKED))
-    lines = []
-    for name in names_of(rows, PEER):
-        cells = [times(reaching(rows, KERNELS, at), reaching(rows, (name,), at)) for at in ASKED]
         lines.append((name, *cells))
     return _table(heads, lines)
 

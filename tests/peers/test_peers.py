@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from peers import cpp, figure, measuring, tables
-from peers.measuring import KERNEL, PEER, PUBLIC, Row, Solver
+from peers import cpp, tables
+from peers.measuring import PEER, PUBLIC, Row
 from peers.problem import DISK
 
 from explorer import compiled
@@ -70,7 +70,6 @@ ROWS = [
     row("heyoka batch, plain", 1e-4, PEER, 3e-4, 2000.0),
     row("heyoka batch, plain", 1e-7, PEER, 1e-7, 1500.0),
     row("heyoka batch, plain", 1e-12, PEER, 1e-10, 100.0),
-    row("rk8, to t = 1.6", 0.5, KERNEL, 1e-4, 8000.0),
 ]
 
 
@@ -85,26 +84,7 @@ def test_ratios_are_of_rows_that_were_measured_and_hold_the_error_with_every_tra
     assert integrated == ["3.0", "2.0", "-"]
     assert simulated == ["-", "-", "-"]
     assert quadrature == ["-", "-", "900", "900"]
-    assert cells(tables.kernels(ROWS), "heyoka batch, plain") == ["4.0", "-", "-"]
     assert len(tables.ratios(ROWS)) == 3  # a head, a rule and the one peer that was there
-    assert len(tables.every(ROWS)) == 2 + len(ROWS)
-
-
-def test_public_calls_show_what_was_asked_and_what_was_given():
-    lines = tables.public_calls(ROWS)
-    assert len(lines) == 2 + sum(row.kind == PUBLIC for row in ROWS)
-    missed = next(line for line in lines if "| 2e-06 |" in line)
-    assert missed.endswith("| - | - |")
-    assert cells(lines, "passages, quadrature") == ["1e-11", "4e-14", "0", "0", "90,000", "900", "-"]
-
-
-def test_the_front_page_quotes_the_run_and_nothing_else_of_it_is_touched():
-    text = "# Title\n" + tables.FRONT + " | 9 | 1 |\n\n" + tables.ORIGIN + "a machine (`here`). More (words).\n"
-    made = tables.with_quoted(text, ROWS, "one core of another").split("\n")
-    assert made[0] == "# Title"
-    assert made[1].startswith(tables.FRONT + " | quadrature: - times heyoka on the ordinary equations")
-    assert "our Runge–Kutta: 2.0 and - times | 1 |" in made[1]
-    assert made[2:] == ["", tables.ORIGIN + "one core of another (`here`). More (words).", ""]
 
 
 def test_what_the_readme_quotes_is_what_the_results_say():
@@ -116,43 +96,3 @@ def test_what_the_readme_quotes_is_what_the_results_say():
     )
     said = re.findall(r"\d+(?:\.\d+)?", front.removeprefix(tables.FRONT))[:4]
     assert said == [plain[7], regular[7], plain[1], regular[1]]
-
-
-def test_what_is_not_installed_is_said_and_has_no_row(monkeypatch):
-    def absent():
-        raise ImportError("no such peer", name="heyoka")
-
-    monkeypatch.setattr(measuring, "mine", lambda: [])
-    monkeypatch.setattr(measuring, "peers", lambda: [("heyoka, plain", absent, (1e-3,), 4)])
-    monkeypatch.setattr(cpp, "compiler", lambda: None)
-    found, missing = measuring.all_solvers()
-    assert found == []
-    assert missing == ["heyoka, plain: heyoka is not installed.", f"C++: {cpp.NO_COMPILER}."]
-    assert cpp.NO_COMPILER in tables.loop_in_words()
-
-
-def test_errors_races_the_wrong_way_and_failures_are_counted():
-    exact = np.array([7.0, 7.0, -7.0, 7.0])
-    solver = Solver("a solver", 0.1, PEER, lambda _n: np.array([7.001, 7.002, 7.0, np.nan]), exact, 4)
-    (found,) = measuring.measured([solver], rounds=1, say=lambda _line: None)
-    assert (found.name, found.setting, found.kind) == ("a solver", 0.1, PEER)
-    assert (found.wrong, found.unresolved) == (1, 1)
-    assert found.median == pytest.approx(2e-3)
-    assert found.rate > 0.0
-
-
-def test_the_picture_names_what_it_draws_and_leaves_out_wrong_races():
-    drawn = figure.draw(ROWS)
-    above, below = drawn.axes
-    names = [text.get_text() for text in drawn.legends[0].get_texts()]
-    assert sorted(names) == ["heyoka batch", "passages, integrated", "passages, quadrature"]
-    assert "heyoka batch" not in [line.get_label() for line in below.lines]
-    (heyoka,) = (line for line in above.lines if line.get_label() == "heyoka batch")
-    assert heyoka.get_xdata().max() < 1.0
-
-
-def test_the_titles_of_the_picture_compare_with_the_fastest_of_all_peers():
-    hidden = row("a peer that is not drawn, plain", 1e-8, PEER, 1e-7, 2000.0)
-    above, below = figure.draw([*ROWS, hidden]).axes
-    assert "1.5 times as fast" in above.get_title()
-    assert "times" not in below.get_title()

@@ -79,7 +79,7 @@ def test_an_edited_run_is_found_out_and_mended_or_reads_the_same(runs, tmp_path_
     rows, numbers = run.arrow(), json.loads(json.dumps(run.summary))
     place = tmp_path_factory.mktemp("edited")
 
-    @examples(0.15)
+    @examples(0.05)
     @given(st.lists(edits(), min_size=1, max_size=2))
     def claim(several):
         folder = place / "run"

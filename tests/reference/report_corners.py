@@ -18,7 +18,6 @@ import explorer as ex
 HERE = Path(__file__).parent
 OUT = HERE.parents[1] / "results" / "extremes"
 BODIES, PER_BODY = 68, 5  # for each corner
-PERIODS = 20  # bodies for each corner, one period of each
 ACCURACIES = {
     "quadrature": (1e-3, 1e-6, 1e-8, 1e-10),
     "rk4": (1e-3, 1e-5),
@@ -169,35 +168,6 @@ def ratios(error, estimate):
     return f"| {error.max():.0e} | {np.median(ratio):.2g} | {ratio.max():.2g} | {(ratio > 10).sum()} |"
 
 
-def period_of(inertia, sigma3_bar, eta_hat, phidot):
-    """theta_min, chi, psi and time of a period that crosses the vertical."""
-    stretches = many_digits.from_constants(inertia, 0.0, phidot, sigma3_bar, eta_hat).stretches
-    theta_min, *sums = zip(*stretches, strict=True)
-    return [float(min(theta_min)), *(float(sum(column, arb(0))) for column in sums)]
-
-
-def period_lines(seed=5):
-    """Lines of the table of periods."""
-    found = {corner: [] for corner in CORNERS}
-    for number, corner in enumerate(CORNERS):
-        for body in range(PERIODS):
-            inertia, *start, _face = next(draws(corner, np.random.default_rng([seed, number, body])))
-            found[corner].append((inertia, start, period_of(inertia, *start)))
-    for accuracy in (1e-3, 1e-6, 1e-10):
-        for corner, rows in found.items():
-            error, estimate = [], []
-            for (I1, I3), (sigma3_bar, eta_hat, phidot), want in rows:
-                states = ex.constants_to_states(ex.Disk(I1=I1, I3=I3), sigma3_bar, eta_hat, phidot)
-                got = ex.periods(states, accuracy)
-                if got.status[0] == ex.Status.OK:
-                    apart = abs(got.chi[0] - want[1]), abs(got.psi[0] - want[2])
-                    apart += abs(got.period[0] / want[3] - 1.0), abs(got.theta_min[0] / want[0] - 1.0)
-                    error.append(max(apart))
-                    estimate.append(got.error_estimate[0])
-            share, last = len(error) / len(rows), ratios(np.array(error), np.array(estimate))
-            yield f"| {accuracy:g} | {corner} | {len(rows)} | {share:.1%} {last}"
-
-
 def main():
     OUT.mkdir(parents=True, exist_ok=True)
     rows = list(truths())
@@ -219,12 +189,6 @@ def main():
         "| largest | over 10 |",
         "|---|---|---|---|---|---|---|---|---|---|",
         *table(rows),
-        "",
-        "This table is about whole periods of motions that cross the vertical. Each has a passage on both faces.",
-        "",
-        "| accuracy | corner | periods | answered | largest error | median | largest | over 10 |",
-        "|---|---|---|---|---|---|---|---|",
-        *period_lines(),
     ]
     (OUT / "corners.md").write_text("\n".join(page) + "\n", encoding="utf-8")
 

@@ -1,21 +1,17 @@
-"""Writes results/extremes/: the exact layer at the extremes against 40 digits, and its cost against eta.
+"""Writes results/extremes/: the exact layer at the extremes against 40 digits.
 
     python tests/reference/report_extremes.py      # under a minute once compiled
 
-Errors are of the angles (rad) and relative of duration and theta_min. Costs are ratios within this run
-to the cost at |eta_hat| = 0.1.
+Errors are of the angles (rad) and relative of duration and theta_min.
 """
 
 import itertools
-import time
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from motions import MOTIONS, PASSAGES, of_one_body
 
 import explorer as ex
-from explorer.phase.lines import motion_given
 
 OUT = Path(__file__).parents[2] / "results" / "extremes"
 LADDER = (1e-11, 1e-8, 1e-5, 1e-2)
@@ -49,39 +45,6 @@ def measured(motions):
         yield accuracy, angle, max(map(abs, shares)), got.error_estimate[0]
 
 
-def rocking():
-    """Periods near flat as E tends to V_0: T / sqrt(E - V_0) tends to 2^(3/2) sqrt(M) (after Lemma 5)."""
-    disk = ex.Disk.uniform()
-    b = disk.body
-    for excess in (1e-3, 1e-6, 1e-9, 1e-12, 1e-15):
-        states = ex.theta_to_states(disk, excess, 0.0, 0.5 * excess**2 / b.r0, 1.0 / (b.k * b.r0))
-        motion = motion_given(disk, states.motion.sigma3_bar, np.full(1, 1e-60), np.ones(1, bool))
-        got = ex.periods(replace(states, given=motion), 1e-9)
-        ratio = got.period[0] / np.sqrt(excess) / (2.0**1.5 * np.sqrt(b.M))
-        yield excess, ex.Status(got.status[0]).name.lower(), ratio, got.error_estimate[0]
-
-
-def costs():
-    """Time per passage at each |eta_hat| over that at 0.1, for each method; medians of five."""
-    disk, n = ex.Disk.uniform(), 20_000
-    rng = np.random.default_rng(0)
-    s3, speed = rng.uniform(-2, 2, n), rng.uniform(0.5, 2, n)
-    for method, exponents in (
-        ("quadrature", (-1, -2, -4, -8, -16, -32, -64, -128, -256, -300)),
-        ("dopri5", (-1, -2, -4, -6, -8, -10)),
-        ("rk4", (-1, -2, -4, -6, -8)),
-    ):
-        eta = [np.full(n, 10.0**k) for k in exponents]
-        times = np.empty((5, len(eta)))
-        for i in range(5):
-            for j, value in enumerate(eta):
-                start = time.perf_counter()
-                ex.passages(disk, s3, value, speed, method=method, accuracy=1e-4)
-                times[i, j] = time.perf_counter() - start
-        middle = np.median(times, axis=0)
-        yield method, 10.0 ** np.array(exponents, dtype=float), middle / middle[0]
-
-
 def main():
     OUT.mkdir(parents=True, exist_ok=True)
     lines = [
@@ -97,25 +60,6 @@ def main():
         "|---|---|---|---|---|---|",
         *lines_of_kinds(),
     ]
-    lines += [
-        "",
-        "A disk that rocks near flat, at the distance eta_hat = 1e-60 from the falling set F. *Ratio*: the period",
-        "divided by its limit, 2^(3/2) sqrt(M) sqrt(E - V0), where E is the energy, V0 the amended potential at",
-        "flat, and M = I1 + m r^2.",
-        "",
-        "| E - V0 | status | ratio - 1 | estimate |",
-        "|---|---|---|---|",
-    ]
-    lines += [f"| {e:g} | {s} | {r - 1:+.1e} | {est:.0e} |" for e, s, r, est in rocking()]
-    lines += [
-        "",
-        "Time of a passage at each |eta_hat|, relative to the time at 0.1, in one run (picture:",
-        "`../scaling/cost.png`):",
-        "",
-    ]
-    for method, eta, ratio in costs():
-        pairs = ", ".join(f"{e:.0e}: {r:.2f}" for e, r in zip(eta, ratio, strict=True))
-        lines.append(f"- {method}: {pairs}")
     (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

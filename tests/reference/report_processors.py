@@ -2,16 +2,13 @@
 
     python tests/reference/report_processors.py      # some minutes; Linux on x86-64
 
-Other kinds are imitated: numba compiles for them, numpy and the C library leave out what they do not have. Where
-QEMU is installed (`qemu-x86_64`, Debian's qemu-user) the same compiled kernels also run on processors that it
-emulates; an instruction which such a processor lacks would end the run there.
+Other kinds are imitated: numba compiles for them, numpy and the C library leave out what they do not have.
 """
 
 import argparse
 import json
 import os
 import platform
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -49,15 +46,6 @@ KINDS = {
         "NPY_DISABLE_CPU_FEATURES": _NO_FMA["NPY_DISABLE_CPU_FEATURES"]
     },
     "x86-64 (generic: nothing fused), numpy and libm too": {**_kernels_for("x86-64"), **_NO_FMA},
-}
-# The processor that QEMU emulates, and the kind whose kernels run on it.
-_EMULATOR = "qemu-x86_64"
-EMULATED = {
-    "Nehalem, emulated (nothing fused, no AVX)": (
-        "Nehalem",
-        "x86-64 (generic: nothing fused), numpy and libm too",
-    ),
-    "Haswell, emulated (AVX2, fused)": ("Haswell", "x86-64-v3 (haswell: AVX2, fused), numpy and libm too"),
 }
 _UNITS = {"angles": "rad", "others": "(relative)", "error estimates": "(relative)"}
 _ANGLES = ("delta_chi", "delta_psi", "race_angle", "fall_angle", "chi", "psi")
@@ -133,13 +121,7 @@ def run(kind, place):
     """One kind of processor in a process of its own; kinds with the same kernels compile them once."""
     target = Path(tempfile.mkdtemp(dir=place))
     command = [sys.executable, __file__, "--compute", str(target)]
-    environment = dict(os.environ)
-    if kind in EMULATED:
-        processor, kind_of_kernels = EMULATED[kind]
-        command = [_EMULATOR, "-cpu", processor, *command]
-        environment |= {key: value for key, value in KINDS[kind_of_kernels].items() if key.startswith("NUMBA")}
-    else:
-        environment |= KINDS[kind]
+    environment = {**os.environ, **KINDS[kind]}
     if "NUMBA_CPU_NAME" in environment:
         environment["NUMBA_CACHE_DIR"] = str(place / f"cache of {environment['NUMBA_CPU_NAME']}")
     done = subprocess.run(command, env=environment, stderr=subprocess.PIPE, text=True)
@@ -149,19 +131,12 @@ def run(kind, place):
 
 
 def main():
-    emulated = shutil.which(_EMULATOR) is not None
     with tempfile.TemporaryDirectory() as name:
         place, rows, found = Path(name), [], {}
-        for kind in (*KINDS, *(EMULATED if emulated else ())):
+        for kind in KINDS:
             found[kind] = there = run(kind, place)
             known = json.loads((there / "said.json").read_text())["machine"]["arithmetic"]
             cells = [compare(scene, found["this one"], there) for scene in SCENES]
-            if kind in EMULATED:
-                imitated = found[EMULATED[kind][1]]
-                cells = [
-                    f"{cell}. Against the imitation: {compare(scene, imitated, there)}"
-                    for scene, cell in zip(SCENES, cells, strict=True)
-                ]
             rows.append(f"| {kind} | `{known}` | {' | '.join(cells)} |")
             print(rows[-1], flush=True)
     OUT.mkdir(parents=True, exist_ok=True)
@@ -172,13 +147,7 @@ def main():
         "Made by `python tests/reference/report_processors.py` on "
         f"{platform.machine()}, {' '.join(platform.libc_ver())}, numpy {np.__version__}. {said}. Every row is",
         "compared with the first. Other kinds of processor are imitated: kernels are compiled for them,",
-        "and numpy and the C library are kept from using instructions that these processors lack. "
-        + (
-            "In the last two rows QEMU emulates the processor; *against the imitation* compares them with the row "
-            "that imitates the same kind."
-            if emulated
-            else "There was no emulator (`qemu-x86_64`) here."
-        ),
+        "and numpy and the C library are kept from using instructions that these processors lack.",
         "",
         "| kind | `arithmetic` in run.json | " + " | ".join(SCENES) + " |",
         "|---|---|" + "---|" * len(SCENES),

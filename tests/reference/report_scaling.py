@@ -1,9 +1,6 @@
 """Writes results/scaling/: time and memory against the number of samples, jobs, and distance from F.
 
-    python tests/reference/report_scaling.py         # some minutes on two cores; ends quietly on one
-    python tests/reference/report_scaling.py sizes   # the first table only
-    python tests/reference/report_scaling.py cost    # against the distance only, half a minute
-    python tests/reference/report_scaling.py jobs    # the second job only; `jobs 1000000`: so many samples
+    python tests/reference/report_scaling.py      # some minutes on two cores
 
 Every row is measured in a process of its own, after warming up, so that memory is the row's.
 """
@@ -201,15 +198,12 @@ def sizes():
     return [*lines, "", "![time against the number of samples](scaling.png)", ""]
 
 
-COST = "Microseconds per passage against the distance from F,"
-
-
 def cost():
     """The part of the page about the distance from F, with its picture."""
     rows = against_eta()
     save(draw_cost(rows), OUT / "cost.png")
     return [
-        COST,
+        "Microseconds per passage against the distance from F,",
         "at an accuracy of 1e-2, by one job. A dash would mean that the side was unresolved for more",
         "than 1 % of the passages.",
         "",
@@ -219,47 +213,16 @@ def cost():
     ]
 
 
-JOBS = "## What the second job is worth"
-
-
-def gains(samples):
-    """The part of the page about the second job."""
-    return [JOBS, "", *second_job.lines(samples, second_job.measure(samples))]
-
-
-def parts():
-    """The page as it is: what stands above the part about the distance, that part, and the one about the jobs."""
-    text, _, of_jobs = (OUT / "README.md").read_text("utf-8").partition(f"{JOBS}\n")
-    above, _, of_cost = text.partition(COST)
-    told = [JOBS, *of_jobs.splitlines()] if of_jobs else []
-    return above.splitlines(), [COST, *of_cost.rstrip().splitlines()[1:], ""], told
-
-
-def only(which, samples=BOTH_JOBS):
-    """Make one part anew, "sizes", "cost" or "jobs", and leave the rest of the page."""
-    above, of_cost, of_jobs = parts()
-    if which == "sizes":
-        above = sizes()
-    elif which == "cost":
-        of_cost = [*cost(), ""]
-    else:
-        of_jobs = gains(samples)
-    (OUT / "README.md").write_text("\n".join([*above, *of_cost, *of_jobs]) + "\n", encoding="utf-8")
-
-
 def main():
     """The whole page."""
     OUT.mkdir(parents=True, exist_ok=True)
-    lines = [*sizes(), *cost(), "", *gains(BOTH_JOBS)]
+    jobs = second_job.lines(BOTH_JOBS, second_job.measure(BOTH_JOBS))
+    lines = [*sizes(), *cost(), "", "## What the second job is worth", "", *jobs]
     (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
-    if sys.argv[1:] in (["sizes"], ["cost"]):
-        only(sys.argv[1])
-    elif sys.argv[1:2] == ["jobs"]:
-        only("jobs", *map(int, sys.argv[2:]))
-    elif len(sys.argv) > 1:
+    if len(sys.argv) > 1:
         child(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))
     else:
         main()

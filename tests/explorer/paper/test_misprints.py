@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from explorer.paper.pages import MISPRINTS, Row, misprints_page
+from explorer.paper.pages import MISPRINTS
 from explorer.paper.statement import FACTOR, STATEMENTS
 
 # The statement that decides each.
@@ -68,18 +68,3 @@ def test_no_finding_decides_a_misprint_that_is_not_listed(checked):
     assert {where for number in STATEMENTS for f in checked(number).findings for where in f.printed} == set(
         MISPRINTS
     )
-
-
-def page_rows(page):
-    lines = [line for line in page.splitlines() if line.startswith("| ")][1:]
-    return [line.replace("\\|", "¦").removeprefix("| ").removesuffix(" |").split(" | ") for line in lines]
-
-
-def test_the_page_lists_every_misprint_with_both_numbers(deciding):
-    rows = page_rows(misprints_page(Row(statement, (finding,)) for statement, finding in deciding))
-    assert [row[0] for row in rows] == list(MISPRINTS)
-    for row in rows:
-        assert len(row) == 7
-        assert int(row[3].partition(" ")[0]) == DECIDED_BY[row[0]]
-        off, right_off = float(row[5]), float(row[6].removeprefix("< ").removeprefix("at most "))
-        assert off > 10.0 * right_off

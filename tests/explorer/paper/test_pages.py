@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 
-import explorer as ex
 from explorer.paper import pages
 from explorer.paper.statement import STATEMENTS, Finding, Statement
 
@@ -45,17 +44,6 @@ def test_the_page_names_what_fails_and_what_it_measured():
     assert "1 of 2 hold. Failing: WRONG." in page
     assert "| something else | 2 | 1 | 1.0e+00 | 1.0e-09 | rounding | FAILS |" in page
     assert any("compared 1.0e+00" in line for line in pages.headline(rows))
-
-
-def test_json_has_every_finding_with_words_and_numbers():
-    described = pages.check_row(row(GOOD, UNKNOWN)).describe()
-    assert described["verdict"] == "FAILS"
-    good, unknown = described["findings"]
-    assert good == {
-        **{"computed": "something", "measured": "1", "expected": "1", "error": 1e-12, "tolerance": 1e-9},
-        **{"reason": "rounding", "printed": {}, "verdict": "holds"},
-    }
-    assert unknown["error"] is None
 
 
 def cells(line):
@@ -119,18 +107,3 @@ def test_the_committed_page_of_figures_is_that_of_the_code():
     assert (RESULTS / "README.md").read_text(encoding="utf-8") == pages.figures_page()
     for number in range(1, 10):
         assert (RESULTS / "figures" / f"figure-{number}.png").is_file()
-
-
-def test_one_statement_is_checked_without_writing_anything(tmp_path):
-    rows = pages.paper(tmp_path / "none", only="16")
-    assert [one.statement.number for one in rows] == [16]
-    assert rows[0].passed
-    assert not (tmp_path / "none").exists()
-
-
-def test_bad_arguments_are_named(tmp_path):
-    with pytest.raises(ex.InputError, match="only 'LEMMA-99' is no statement"):
-        pages.paper(tmp_path, only="LEMMA-99")
-    (tmp_path / "file").write_text("")
-    with pytest.raises(ex.InputError, match="is a file; give a folder"):
-        pages.paper(tmp_path / "file")

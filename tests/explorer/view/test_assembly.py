@@ -4,27 +4,10 @@ import json
 import re
 
 from explorer.pictures import style
-from explorer.view.assembly import FOLDER, assemble, program
+from explorer.view.assembly import FOLDER, assemble
 
 MODULES = sorted(FOLDER.glob("*.js"))
 START = {"bodies": [], "start": {}, "note": ""}
-
-
-def test_every_module_is_in_the_program_after_those_that_it_needs():
-    order = re.findall(r'^modules\["(\w+)"\] = ', program(), flags=re.MULTILINE)
-    assert sorted(order) == [path.stem for path in MODULES]
-    for path in MODULES:
-        for needed in re.findall(r'from "\./(\w+)\.js"', path.read_text("utf-8")):
-            assert order.index(needed) < order.index(path.stem)
-
-
-def test_every_import_names_what_the_other_module_exports():
-    exported = re.compile(r"^export (?:async )?(?:const|function|class) (\w+)", re.MULTILINE)
-    imported = re.compile(r'^import \{ ([^}]+) \} from "\./(\w+)\.js";$', re.MULTILINE)
-    exports = {path.stem: set(exported.findall(path.read_text("utf-8"))) for path in MODULES}
-    for path in MODULES:
-        for names, needed in imported.findall(path.read_text("utf-8")):
-            assert set(names.split(", ")) <= exports[needed], path.name
 
 
 def test_the_page_names_no_address_of_the_network():

@@ -10,7 +10,7 @@ import explorer as ex
 from explorer.phase.falling_set import obstacle
 from explorer.phase.lines import Motion
 from kernels.disk import falling
-from kernels.disk.falling import Barrier, LineChart, Membership, OnF
+from kernels.disk.falling import Barrier, Membership, OnF
 
 SHAPES = ["uniform", "hoop", "matching", "thick"]
 
@@ -37,17 +37,6 @@ def test_the_slope_on_f_is_the_derivative_of_the_potential_on_both_hemispheres(n
     by_phi = -(on_f(disk, theta + h).V - on_f(disk, theta - h).V) / (2.0 * h)  # phi = pi/2 - theta
     here = on_f(disk, theta)
     np.testing.assert_allclose(here.dV, by_phi, rtol=1e-7, atol=1e-8)
-
-
-@pytest.mark.parametrize("name", SHAPES)
-def test_the_chart_keeps_areas_at_every_tilt(name):
-    """dsigma3 dsigma4 = dsigma3_bar deta_hat: its determinant is -1."""
-    theta = np.concatenate([np.geomspace(1e-100, 0.1, 10), np.linspace(0.2, 3.0, 20)])
-    out = np.empty((4, theta.size))
-    falling.line_chart_batch(np.sin(theta), np.cos(theta), BODIES[name].natural, out)
-    chart = LineChart(*out)
-    determinant = chart.bar_to_sigma3 * chart.eta_hat_to_sigma4 - chart.eta_hat_to_sigma3 * chart.bar_to_sigma4
-    np.testing.assert_allclose(determinant, -1.0, rtol=1e-12)
 
 
 def test_a_barrier_is_a_critical_point_and_there_is_none_without_a_well():
