@@ -154,7 +154,7 @@ def _choose(asked: tuple[str, ...], method: str, accuracy: float) -> tuple[str, 
         # Adaptive pairs bend their steps to each sample's distance from F, which spans decades in any sampling; a
         # fixed step must be small enough throughout the motion.
         method = "dop853"
-        why = f"{method} because each sample sets its own step near flat, at less cost than by dopri5"
+        why = f"{method} because each sample sets its own step near flat, and it costs least at fine accuracies"
     if level == QUADRATURE:
         carried = (_INTEGRATED.get(name, ANGLES) for name in asked if OBSERVABLES[name] == QUADRATURE)
         level = max(carried, key=LEVELS.index)

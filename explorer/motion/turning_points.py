@@ -99,13 +99,13 @@ def _by_algebra(
 ) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
     """The tilt at the flattest moment, from where E - V is 0, of states whose status is OK."""
     theta, code = np.full(status.size, np.nan), compiled.status.Status
-    if not states.disk.body.I3 > 0.0:  # there is no potential of the tilt alone
-        status[status == code.OK] = code.STEP_LIMIT
-    rows = np.flatnonzero(status == code.OK)
-    if rows.size:
+    if states.disk.body.I3 > 0.0:
+        rows = np.flatnonzero(status == code.OK)
         motions = arc_starts_of(states, face_of(states)).at(rows)
         theta[rows], error = smallest(motions, ends_of(states.disk, motions))
         status[rows[~(error <= accuracy)]] = code.STEP_LIMIT
+    else:  # there is no potential of the tilt alone
+        status[status == code.OK] = code.STEP_LIMIT
     return theta, status, np.zeros(status.size, np.int32)
 
 

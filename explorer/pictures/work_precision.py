@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import NullFormatter
 
 from explorer.motion.work_precision import ROUNDING, Measured, Row, best_of
 from explorer.pictures.register import Question, picture
@@ -48,6 +49,7 @@ def work_precision(ax: Axes, measured: Measured) -> None:
     ax.set_yscale("log")
     ax.set_xlim(*_LIMITS)
     ax.set_xticks([10.0**-k for k in range(2, 15, 2)])
+    ax.yaxis.set_minor_formatter(NullFormatter())
     _write(ax, names)
     # No method is both slow and far off, so this corner is free.
     key = ax.get_legend_handles_labels()[0][:1] if front else []

@@ -25,7 +25,7 @@ def test_a_plan_says_why():
     reason = plan(("theta_min", "contact")).reason
     assert "path because of contact" in reason
     assert "dop853" in reason
-    assert "less cost" in reason
+    assert "costs least" in reason
     assert "as asked" in plan(("chi",), method="rk4").reason
 
 
