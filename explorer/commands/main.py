@@ -80,6 +80,9 @@ COMMANDS = {
     ),
     "portrait": Command("portrait", "Draw F, phase portraits, slices, races, paths and a film.", "--disk hoop"),
     "view": Command("view", "Write a web page: an article on what the disk does, and controls to try it.", _VIEW),
+    "gallery": Command(
+        "gallery", "Write README.md of a folder of results: every picture with its caption and command.", "results"
+    ),
     "completion": Command(
         "completion", "Print completions for bash and zsh; to use them: source <(nearflat completion).", ""
     ),

@@ -1,28 +1,38 @@
-"""Writes results/README.md: every picture below `results`, by question, with its caption and its command.
+"""`nearflat gallery`: the page of a folder of results by question, every picture with its caption and command.
 
-`python tests/docs/gallery.py`; a folder's own page says "Made by `COMMAND`", a run says it in run.json.
+A folder's own page says "Made by `COMMAND`"; a run says it in run.json.
 """
 
+import argparse
 import contextlib
 import html
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
-from explorer.commands.pages import caption_in, full_size, image_of, text_of
+from explorer.commands import Answer
 from explorer.errors import InputError, RunError
-from explorer.pictures.register import Question
+from explorer.phase.paths import made_folder, path_of
 from explorer.runs.folder import read_record
 
-RESULTS = Path(__file__).resolve().parents[2] / "results"
 KINDS = (".png", ".gif", ".webp")
 _FIRST = ("hero", "definitions", "film")  # of their question, in this order
 _OTHER = "Other pictures"
 
 
-def gallery(root):
-    """Markdown for the README.md of a folder; captions are in the files, commands in the folders below it."""
+def gallery(folder: Path | str) -> str:
+    """Markdown for the README.md of `folder`; captions are in the files, commands in the folders below it.
+
+    Raises InputError where `folder` is none.
+    """
+    from explorer.commands.pages import caption_in, full_size, image_of, text_of
+    from explorer.pictures.register import Question
+
+    root = path_of("DIR", folder)
+    if not root.is_dir():
+        raise InputError(f"{root}: is no folder; give the one that holds the results")
     parts = [path for path in sorted(root.iterdir()) if path.is_dir()]
-    shown = {str(question): [] for question in (*Question, _OTHER)}
+    shown: dict[str, list[tuple[Path, str]]] = {str(question): [] for question in (*Question, _OTHER)}
     for part in parts:
         for picture in sorted(path for path in part.rglob("*") if path.suffix in KINDS):
             if picture.suffix == ".png" and picture.with_suffix(".webp").exists():
@@ -35,8 +45,8 @@ def gallery(root):
     lines = [
         "# Results",
         "",
-        "Each picture is made by the command beside it, and this page by `python tests/docs/gallery.py`.",
-        "Click a picture to see it in full size.",
+        "Each picture is made by the command beside it, and this page by `nearflat gallery`. Click a picture to",
+        "see it in full size.",
     ]
     for question, cells in shown.items():
         cells.sort(key=lambda each: _FIRST.index(each[0].stem) if each[0].stem in _FIRST else len(_FIRST))
@@ -51,16 +61,28 @@ def gallery(root):
     return "\n".join(lines) + "\n"
 
 
-def command_of(folder):
+def command_of(folder: Path) -> str:
     """The command that made a folder, as its page or its run says it."""
     page = folder / "README.md"
     if page.is_file() and (said := re.search(r"^Made by `(.+?)`", page.read_text("utf-8"), re.MULTILINE)):
         return said[1]
     with contextlib.suppress(InputError, RunError):
         record = read_record(folder)
-        return record["command"] or f"ex.run({record['options']['scene']!r}, ...), with the options in run.json"
+        return str(
+            record["command"] or f"ex.run({record['options']['scene']!r}, ...), with the options in run.json"
+        )
     return "not known"
 
 
-if __name__ == "__main__":
-    (RESULTS / "README.md").write_text(gallery(RESULTS), encoding="utf-8")
+def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
+    """Add the options of `nearflat gallery`."""
+    command.add_argument("folder", nargs="?", default="results", metavar="DIR", help="folder (default results)")
+
+
+def call(options: argparse.Namespace) -> Answer:
+    """Write the page."""
+    page = Path(options.folder) / "README.md"
+    text = gallery(options.folder)
+    made_folder("DIR", page.parent)
+    page.write_text(text, encoding="utf-8")
+    return Answer({"page": str(page)}, f"wrote {page}")

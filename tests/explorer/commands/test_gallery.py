@@ -3,15 +3,18 @@
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import pytest
-from docs.gallery import RESULTS, command_of, gallery
 from PIL import Image
 
 import explorer as ex
+from explorer.commands.gallery import command_of, gallery
 from explorer.commands.main import main
 from explorer.commands.pages import picture_lines
 from explorer.pictures.register import Caption, Question
+
+RESULTS = Path(__file__).parents[3] / "results"
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +32,7 @@ def committed(tmp_path_factory):
     return copy / "results"
 
 
-def test_the_committed_page_is_what_the_tool_writes(committed):
+def test_the_committed_page_is_what_the_command_writes(committed):
     assert (committed / "README.md").read_text(encoding="utf-8") == gallery(committed)
 
 
@@ -78,3 +81,16 @@ def test_pictures_stand_by_their_question_and_the_hero_comes_first(tmp_path):
     assert "From where" not in page
     assert 'alt="The picture a says &lt;much&gt;."' in page
     assert picture_lines(folder / "a.gif", tmp_path)[-1] == "The picture a says <much>."
+
+
+def test_what_is_no_folder_is_named(tmp_path):
+    with pytest.raises(ex.InputError, match="is no folder"):
+        gallery(tmp_path / "none")
+
+
+def test_a_gallery_is_written_where_it_is_asked_for(tmp_path, capsys):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "one.png").write_bytes(b"")
+    assert main(["gallery", str(tmp_path)]) == 0
+    assert "mine/one.png" in (tmp_path / "README.md").read_text(encoding="utf-8")
+    assert str(tmp_path / "README.md") in capsys.readouterr().out
