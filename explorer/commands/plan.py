@@ -8,7 +8,7 @@ from explorer.commands.run import add_arguments as add_arguments
 from explorer.commands.run import given_by
 from explorer.runs.amounts import duration, size
 from explorer.runs.estimate import Estimate, estimate
-from explorer.runs.settings import Asked, asked
+from explorer.runs.settings import RunRequest, asked
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class RunPlan:
         return "\n".join(f"{name:12} {value}" for name, value in lines.items() if value)
 
 
-def planned(made: Asked) -> RunPlan:
+def planned(made: RunRequest) -> RunPlan:
     """How the run that was asked for would be computed."""
     scene, chosen = made.scene, made.scene.plan
     how = chosen.level, chosen.method, chosen.reason, chosen.cost

@@ -1,1 +1,1 @@
-"""How likely a state is to come near flat: densities, tubes beside F, the constant C, and its tests."""
+"""How likely a state is to come near flat: densities, tubes near F, the constant C, and its tests."""

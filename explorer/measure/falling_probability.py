@@ -1,6 +1,6 @@
 """P(theta_min < delta) for states drawn from a density: how it is counted, and what that says of the law C delta.
 
-Plain draws count hits. Batches of weighted draws in tubes beside F add up weights and their squares, of every rung
+Plain draws count hits. Batches of weighted draws in tubes near F add up weights and their squares, of every rung
 of a ladder of delta and at each face. From these come estimates, fits, tests, and how the probability splits.
 """
 
@@ -264,7 +264,7 @@ class FallingProbability:
         relative = self.constant.error / self.constant.value
         tubes = {name: laws.ladder_p(delta, tested, law, relative) for name, law in known.items()}
         counts = {name: laws.counts_p(delta, hits, self.samples, law) for name, law in known.items()}
-        # Tubes hold what is beside F. Falls anywhere else are for plain draws to find.
+        # Tubes hold what is near F. Falls anywhere else are for plain draws to find.
         headline = tubes | {"plateau": counts["plateau"]}
         return {"p_value": headline, "p_value_tubes": tubes, "p_value_counts": counts}
 

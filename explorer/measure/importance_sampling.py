@@ -1,6 +1,6 @@
 """Draws beside the falling set for a distribution of initial states: importance sampling of rare tilts.
 
-A state beside F on one face is (tilt, speed, sigma3_bar, eta_hat). eta_hat is drawn evenly within the tube of
+A state near F on one face is (tilt, speed, sigma3_bar, eta_hat). eta_hat is drawn evenly within the tube of
 `measure.tubes`, and all else from the user's distributions; the tilt more often where states come near F, as some
 first draws tell. What lies so near flat that no tube holds it is drawn plainly.
 """
@@ -162,7 +162,7 @@ class Drawn:
 
 @dataclass(frozen=True)
 class Tube:
-    """Where states come flatter than delta beside F of a face.
+    """Where states come flatter than delta near F of a face.
 
     beside: tilts below are left out, rad.
     """

@@ -1,4 +1,4 @@
-"""How probable an event is for initial states with a distribution: by plain draws, or by draws beside F."""
+"""How probable an event is for initial states with a distribution: by plain draws, or by draws near F."""
 
 from __future__ import annotations
 

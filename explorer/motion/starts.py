@@ -17,7 +17,7 @@ _RESOLVED = 0.1
 
 
 def status_at_start(states: States, sided: bool = True) -> NDArray[np.int8]:
-    """Status before a motion is followed: bad input, on F, or, where its side matters (`sided`), beside F.
+    """Status before a motion is followed: bad input, on F, or, where its side matters (`sided`), off F.
 
     A state whose eta is not known to a tenth on the nearer face has no known direction of its race. Whether a
     motion could fall is asked only where its side is in doubt.

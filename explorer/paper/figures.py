@@ -1,4 +1,4 @@
-"""The paper's nine figures, made anew: angle of contact, axis, centre of mass and contact point beside F.
+"""The paper's nine figures, made anew: angle of contact, axis, centre of mass and contact point near F.
 
 `figure(number)` gives one; `FIGURES` says what each shows, with a caption that a page can print. All start
 upright with sigma2 = sigma3 = 1 and eta_hat_+ = +-0.01 (section 7.2 of the paper), in units m = r = g = 1. Each

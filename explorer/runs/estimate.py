@@ -11,7 +11,7 @@ from pathlib import Path
 from explorer import compiled
 from explorer.errors import note
 from explorer.measure.tallies import Tally
-from explorer.runs.settings import Asked, samples_of
+from explorer.runs.settings import RunRequest, samples_of
 from explorer.scenes.scene import SampledScene, Scene, Table
 
 _BASE_MEMORY = 450e6  # bytes of compiled code and libraries, measured; where the system does not say it
@@ -35,7 +35,7 @@ class Estimate:
     probed: int
 
 
-def estimate(asked: Asked) -> Estimate:
+def estimate(asked: RunRequest) -> Estimate:
     """Compute a few chunks and scale what they take; writes nothing."""
     scene, settings, command = asked
     base, jobs, count = _memory_now(), min(settings.jobs, asked.scene.chunks), asked.scene.chunks

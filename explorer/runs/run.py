@@ -22,7 +22,7 @@ from explorer.phase.paths import path_of
 from explorer.runs import folder as folders
 from explorer.runs import store
 from explorer.runs.interrupt import stopping
-from explorer.runs.settings import FORMATS, Asked, Settings, samples_of
+from explorer.runs.settings import FORMATS, RunRequest, Settings, samples_of
 from explorer.runs.workers import compute_all
 from explorer.scenes.options import plain
 from explorer.scenes.scene import Picture, Scene, Table
@@ -340,7 +340,7 @@ class Run:
         if self._parts:
             raise InputError("several runs were merged here; resume each of them")
         if self.folder is not None:
-            execute(Asked(self.scene, Settings.of({**settings, "out": self.folder})))
+            execute(RunRequest(self.scene, Settings.of({**settings, "out": self.folder})))
             vars(self).pop("_total", None)
         return self
 
@@ -398,7 +398,7 @@ def open(folder: Path | str) -> Run:
     return Run(folder=place)
 
 
-def execute(asked: Asked) -> Run:
+def execute(asked: RunRequest) -> Run:
     """Compute a run into its folder, or into memory where it has none.
 
     Raises InputError before anything is written, RunError after. The numbers depend on the scene alone, never on
@@ -417,7 +417,7 @@ def execute(asked: Asked) -> Run:
     return run
 
 
-def _fill(asked: Asked, folder: Path, record: dict[str, Any]) -> Run:
+def _fill(asked: RunRequest, folder: Path, record: dict[str, Any]) -> Run:
     """Compute, store, summarise and draw what is not there. record: what run.json says of a run that was begun."""
     clock, (scene, settings, command) = time.monotonic(), asked
 
@@ -471,7 +471,7 @@ def _draw_missing(run: Run, formats: Sequence[str], stop: threading.Event) -> bo
     return True
 
 
-def _computed(asked: Asked, missing: list[int], stop: threading.Event) -> Iterator[store.Chunk]:
+def _computed(asked: RunRequest, missing: list[int], stop: threading.Event) -> Iterator[store.Chunk]:
     """Compute the chunks that are missing, and show how far it is. Raises Interrupted."""
     scene, settings, _ = asked
     due, count, counts = samples_of(scene), len(missing), ByName[int]()

@@ -89,7 +89,7 @@ class Settings(Options):
         return f"continue with: nearflat resume {self.out}{by}{to}"
 
 
-class Asked(NamedTuple):
+class RunRequest(NamedTuple):
     """A run that was asked for: its question, how it is made, and the command line, if one asked for it."""
 
     scene: Scene
@@ -97,7 +97,7 @@ class Asked(NamedTuple):
     command: str | None = None
 
 
-def asked(name: Any, given: Mapping[str, Any], command: str | None = None, exist: str = "resume") -> Asked:
+def asked(name: Any, given: Mapping[str, Any], command: str | None = None, exist: str = "resume") -> RunRequest:
     """The run that scene and keywords ask for, of Python, of the command line or of a TOML file.
 
     name: as `scene_class` takes it, or a scene. command: the command line, where there is one; then the run always
@@ -115,7 +115,7 @@ def asked(name: Any, given: Mapping[str, Any], command: str | None = None, exist
     scene = name if isinstance(name, Scene) else kind.of(rest)
     if settings.out is None and (command is not None or samples_of(scene) > MOST_IN_MEMORY):
         settings = replace(settings, out=Path(f"results/{scene.name}-{scene.label}-{scene.seed}"))
-    return Asked(scene, settings, command)
+    return RunRequest(scene, settings, command)
 
 
 def samples_of(scene: Scene) -> int:

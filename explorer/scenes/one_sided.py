@@ -1,4 +1,4 @@
-"""Scene one-sided: how motions beside F approach the two limit motions, and how these differ.
+"""Scene one-sided: how motions near F approach the two limit motions, and how these differ.
 
 From points of F drawn at the vertical, motions start at eta_hat = +-10^-k beside them and run
 through several falls. Away from the impacts their distance to the limit motion of their side

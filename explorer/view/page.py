@@ -116,7 +116,7 @@ def view(
     sigma3_bar : float, optional
         For a body: sigma3 at the vertical (units of the disk), by default sqrt(g/r).
     eta_hat : float, optional
-        For a body: distance beside F on `face` (units of the disk), not 0, by default sqrt(g/r)/1000. Its sign
+        For a body: distance from F on `face` (units of the disk), not 0, by default sqrt(g/r)/1000. Its sign
         is the side; the motion at -eta_hat, which races the other way, is shown beside it.
     phidot : float, optional
         For a body: speed at the vertical towards that flat state (units of the disk), by default sqrt(g/r).

@@ -209,7 +209,7 @@ def test_anything_but_one_state_is_refused():
 
 def test_a_state_beside_f_has_no_limit_motion_and_rounding_is_no_distance():
     disk = BODIES["uniform"]
-    with pytest.raises(ex.InputError, match=r"lies beside F, at eta_hat = 0\.01; for the one on F use"):
+    with pytest.raises(ex.InputError, match=r"not on F, but at eta_hat = 0\.01; for the one on F use"):
         limit_motion(ex.constants_to_states(disk, 1.0, 0.01, 1.0), 1)
     rounded, exact = (limit_motion(ex.constants_to_states(disk, 1.0, eta, 1.0), 1) for eta in (1e-14, 0.0))
     assert rounded.period == pytest.approx(exact.period, rel=1e-12)
