@@ -109,7 +109,7 @@ def test_a_figure_of_another_body_is_of_that_body_in_natural_units():
     assert caption_of(same) == caption_of(paper)
     other, both = figure(8, ring, 3e-3), curves(ring, 3e-3, FIGURES[8].turns)
     np.testing.assert_array_equal(other.axes[0].lines[0].get_xydata(), shown(both, 1, "contact"))
-    assert caption_of(other).text.startswith("As Fig. 8. The path of the point of contact of the disk annulus-0.4")
+    assert caption_of(other).text.startswith("As Fig. 8. The path of the contact point of the disk annulus-0.4")
     assert "0.003" in caption_of(other).text
 
 
