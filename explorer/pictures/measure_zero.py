@@ -14,13 +14,14 @@ from explorer.pictures.style import DARK, SERIES, SIZE, TEXT, dress, legend_belo
 _TUBES, _PLAIN = SERIES[1], SERIES[2]
 _POINTS: dict[str, Any] = {"ms": 5, "mfc": "none", "mew": 1.3, "capsize": 2, "lw": 1.2}
 _NEAR = "draws near $F$, 95 % all at once"
+_REJECTED = 0.05  # p-value below which a law is called rejected
 
 
 @picture(
     Question.HOW_RARELY,
     "The probability to come flatter than δ, over fifteen decades. Estimates with their intervals lie on the "
-    "line Cδ, whose C is computed without any sample; two other laws, drawn in, miss them. Below, the estimates "
-    "divided by the law: all intervals hold 1 as soon as δ is small.",
+    "line Cδ, whose C is computed without any sample. Two other laws are drawn in, and the legend says whether "
+    "the draws reject them. Below, the estimates divided by the law: all intervals hold 1 as soon as δ is small.",
     (SIZE[0], 9.0),
 )
 def probability(figure: Figure, summary: dict[str, Any]) -> None:
@@ -41,13 +42,13 @@ def _estimates(ax: Axes, summary: dict[str, Any]) -> None:
     if constant > 0.0:
         ax.loglog(delta, constant * delta, color=DARK, lw=1.2, label=rf"$C\,\delta$, $C={constant:.5f}$")
         laws = known_laws(constant, summary.get("law_limit", delta[0]))
-        plateau = rf"rejected: falls with $P = 10^{{{np.log10(PLATEAU):.0f}}}$"
+        plateau = rf"falls with $P = 10^{{{np.log10(PLATEAU):.0f}}}$"
         for name, colour, style, told in (
-            ("dimension_two", SERIES[6], ":", r"rejected: $\propto\delta^2$"),
+            ("dimension_two", SERIES[6], ":", r"$\propto\delta^2$"),
             ("plateau", SERIES[4], "--", plateau),
         ):
-            shares = laws[name](delta)
-            ax.loglog(delta[shares < 1.0], shares[shares < 1.0], color=colour, ls=style, lw=1.8, label=told)
+            shares, label = laws[name](delta), f"{_verdict(summary, name)}: {told}"
+            ax.loglog(delta[shares < 1.0], shares[shares < 1.0], color=colour, ls=style, lw=1.8, label=label)
     tubes = [(row["delta"], row["estimate"], row["interval_95_simultaneous"]) for row in rows]
     _points(ax, tubes, fmt="o", color=_TUBES, label=_NEAR)
     hits = [(row["delta"], row["plain"]["value"], row["plain"]["interval_95"]) for row in rows if row["count"]]
@@ -62,6 +63,11 @@ def _estimates(ax: Axes, summary: dict[str, Any]) -> None:
     dress(ax, "", r"$P(\theta_{\min} < \delta)$", title, grid=True)
 
 
+def _verdict(summary: dict[str, Any], law: str) -> str:
+    """Whether the draws of the run suffice to reject a wrong law."""
+    return "rejected" if summary["p_value"].get(law, 1.0) < _REJECTED else "not rejected"
+
+
 def _ratio(ax: Axes, summary: dict[str, Any]) -> None:
     """The estimates over their line, where an error of some percent in C can be seen; tested where shaded."""
     rows = []
@@ -72,7 +78,8 @@ def _ratio(ax: Axes, summary: dict[str, Any]) -> None:
         )
     ax.set_xscale("log")
     ax.axhline(1.0, color=DARK, lw=1.2)
-    ax.axhline(1.0 + OFF, color=SERIES[3], lw=1.8, label=f"rejected: $C$ off by {100 * OFF:.0f} %")
+    label = f"{_verdict(summary, 'constant_off')}: $C$ off by {100 * OFF:.0f} %"
+    ax.axhline(1.0 + OFF, color=SERIES[3], lw=1.8, label=label)
     ax.axvspan(summary["ladder"][-1]["delta"] / 3.0, 2.0 * summary["law_limit"], color=DARK, alpha=0.06, lw=0)
     _points(ax, rows, fmt="o", color=_TUBES, label=_NEAR)
     # The first four estimates lie above the range of the law and may leave the picture.

@@ -20,9 +20,10 @@ _TITLES = {
 
 @picture(
     Question.HOW_GOOD,
-    "What accuracy costs, for each method at many settings: the time of a sample on one core against the 99th "
+    "What accuracy costs, for each method at several accuracies: the time of a sample on one core against the "
+    "99th "
     "percentile of its error. Lower and further left is better. The band joins the integrators that no other "
-    "beats; the stars are quadrature at several accuracies.",
+    "beats; the stars are quadrature.",
 )
 def work_precision(ax: Axes, measured: Measured) -> None:
     """Draw time per sample against the 99th percentile of the error, a line per method, the front in grey.
