@@ -45,13 +45,13 @@ class Question(Coordinates):
     )
     count: int = option(
         whole_from(1),
-        "how many approaches to flat are followed; two show the smallest tilt on each face",
+        "how many approaches to flat are followed; with 2 you see the smallest tilt on each face",
         default=1,
     )
     samples: int = option(
         whole_from(10),
-        "number of plain draws, from the whole distribution; beside the falling set an eighth as many are drawn "
-        "at each face, but at least 4,096",
+        "number of draws from the whole distribution; in addition, for each face an eighth as many, but at least "
+        "4,096, are drawn close to the falling set",
         default=1_000_000,
     )
     accuracy: float = option(NUMBER._replace(metavar="TOL"), "relative accuracy of theta_min", default=1e-6)

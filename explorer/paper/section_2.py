@@ -108,7 +108,7 @@ def constraints() -> Iterator[Finding]:
     z, angle = rng.uniform(-0.999, 0.999, 50), rng.uniform(0.0, 2.0 * np.pi, 50)
     others = np.sqrt(1.0 - z * z)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     jumps = largest(_jump(np.array([*u, height])) for u, height in zip(others, z, strict=True))
-    text = "jump of s(u) of (2.9) within 1e-9 of 50 attitudes, in radii; as printed, A e₃ = −e₃ is admitted too"
+    text = "jump of s(u), (2.9), in radii, between attitudes 1e-9 apart; as printed, A e₃ = −e₃ is admitted too"
     yield at_most(text, jumps, 1e-6, "1e-9 over cos φ", {"2.2, 2.4": _jump(np.array([0.0, 0.0, -1.0]))})
 
 

@@ -57,7 +57,7 @@ def barrier_off_lines() -> Iterator[Finding]:
         yield near(f"{where} V·4I₁(1∓σ₁)/η², tilts 1e-2 to 1e-5", ratio[-1], 1.0, 1e-6, why)
         dV = slope[-1] * 4.0 * disk.I1 * S[-1] ** 2 / eta**2
         text, why = (
-            f"{where} ±V′·4I₁(1∓σ₁)²/η², (6.4); as printed (6.3), with 1∓σ₁",
+            f"{where} ±V′·4I₁(1∓σ₁)²/η², by (6.4); as printed, by (6.3), with 1∓σ₁ in place of its square",
             why + "; a difference quotient",
         )
         yield near(text, dV, 1.0, 1e-6, why, {"Lemma 3, end of proof": dV / S[-1]})  # over the right side of (6.3)
@@ -81,8 +81,8 @@ def _rest_of_the_barrier(disk: Disk, face: int, eta: float) -> Iterator[Finding]
     slope, level = np.polyfit(logs, sigma[1], 1)
     want = J * slope * level + c * eta**2 / (4.0 * disk.I1)
     text = (
-        f"{where} D is V minus the other terms of (6.7): its growth with ln(1∓σ₁), divided by the growth that "
-        "follows from σ₄ and (3.8); as printed, D does not grow"
+        f"{where} growth with ln(1∓σ₁) of D, which is V minus the other terms of (6.7), divided by the "
+        "growth that follows from σ₄ and (3.8); as printed, D does not grow"
     )
     yield near(text, np.polyfit(logs, rest, 1)[0] / want, 1.0, 5e-3, "terms S ln²S", {"(6.7)": 0.0})
 

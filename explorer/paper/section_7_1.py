@@ -131,7 +131,10 @@ def _forces_near_flat(disk: Disk, run: Passage) -> Iterator[Finding]:
     M, step = disk.I1 + 1.0, 1e-3 * run.theta_min / run.A
     speeding = np.diff(run.at(run.middle + np.array([-step, step]))[1])[0] / (2.0 * step)
     push = float(M * speeding * disk.I1 * run.theta_min**3 / run.eta**2)
-    text = f"{disk.name}: ±V′ divided by η²/(I₁cos³φ) at θ_m, (7.6); as printed, cos³φ is a factor and no divisor"
+    text = (
+        f"{disk.name}: ±V′ divided by η²/(I₁cos³φ) at the smallest tilt θ_m, (7.6); as printed, cos³φ is a factor "
+        "and no divisor"
+    )
     yield near(text, push, 1.0, 1e-3, _LOG, {"(7.6)": push / run.theta_min**6})
     tilt, rate = run.at(run.middle - 100.0 * run.theta_min / run.A)[:2]
     other = potential(disk, [tilt], rates_down(disk, 1.0, shot_slope(disk), -1, [tilt]))[0]

@@ -119,15 +119,17 @@ COLUMNS = {
     "nu": Column("Angular velocity in space.", RATE, "(2.27), (2.29)"),
     # how likely it is
     "value": Column("The constant C of P(theta_min < delta) = C delta, for a tilt delta in rad."),
-    "error": Column("Estimate of its absolute error."),
-    "plus": Column("Contribution of face +1."),
-    "minus": Column("Contribution of face -1."),
+    "error": Column("Estimate of the absolute error of value."),
+    "plus": Column("Contribution of face +1 to value."),
+    "minus": Column("Contribution of face -1 to value."),
     "mass": Column("Integral of the density over the box, natural units."),
     "matrix": Column("Derivative of the final (phi, phidot, sigma3, sigma4) by the initial ones, natural units."),
     "determinant": Column("Determinant of the derivative of the flow; 1 for an invariant measure."),
     "rounding": Column("Order of magnitude of the rounding error of the determinant."),
     # scenes
-    "delta": Column("Tilt whose probability the draw estimates; NaN for plain draws.", ANGLE),
+    "delta": Column(
+        "The delta of P(theta_min < delta), which the draw serves to estimate; NaN for plain draws.", ANGLE
+    ),
     "weight": Column("Weight of the draw relative to a plain draw: density times the volume it represents."),
     "base": Column("Index of the state on F near which the motion starts.", kind=COUNT),
     "distance_phi": Column("Largest difference of phi from the limit motion of the same side.", ANGLE),

@@ -98,7 +98,7 @@ def bifurcation_of_tilts(ax: Axes, disk: Disk, path: str) -> None:
     "Which motions there are at each energy, the vertical axis, along a path in the plane of the two constants "
     "of motion, the horizontal axis. Up to three kinds of curve cut the picture into regions: the energies of "
     "stable steady motions, those of unstable ones, and, on l₊, the energy V₀ above which the disk can reach "
-    "flat. For each letter there is a phase portrait in the picture of the regions.",
+    "flat. Each region has a letter; the picture of the regions shows a phase portrait for each letter.",
     group="bifurcation",
     portraits=lambda asked: [(f"bifurcation-{path}", (asked.disk, path)) for path in _DRAWN],
 )

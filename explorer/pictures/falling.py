@@ -23,8 +23,8 @@ _FEWEST = 100  # samples that a guide of slope one is drawn through
 @picture(
     Question.FROM_WHERE,
     "The flattest motion among the samples of each cell, over the two constants of motion. Only motions on two "
-    "lines through the origin come flat; the exact lines are drawn only near the edges, so that the ridges of "
-    "samples can be seen between them. A cell with more samples finds flatter ones.",
+    "lines through the origin come flat; the exact lines are drawn only near the edges, so that they do not hide "
+    "the ridges of samples. A cell with more samples finds flatter ones.",
 )
 def constants_plane(ax: Axes, samples: States | ConstantsPlane, cells: int = 100, method: str = "auto") -> None:
     """Draw the flattest motion among states in each cell of the plane of constants, and both lines l_+-.
@@ -54,9 +54,9 @@ def constants_plane(ax: Axes, samples: States | ConstantsPlane, cells: int = 100
 
 @picture(
     Question.HOW_RARELY,
-    "The share of samples that come flatter than δ; the band is the 95 % uncertainty of the counts. It decreases "
-    "in proportion to δ, as the dashed line does, because F has just one dimension less than the space of states "
-    "(codimension one). So nearly falling flat is rare, and falling flat has probability zero.",
+    "The share of samples that come flatter than δ; the band is the 95 % uncertainty of the counts. The share "
+    "decreases in proportion to δ, as the dashed line does, because F has just one dimension less than the space "
+    "of states (codimension one). So nearly falling flat is rare, and falling flat has probability zero.",
 )
 def theta_min(ax: Axes, theta: LogHistogram | ArrayLike, samples: int | None = None) -> None:
     """Draw the share of samples that come flatter than delta, and a line of slope one, as for codimension one.

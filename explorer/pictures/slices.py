@@ -127,9 +127,9 @@ def _zero_line(ax: Axes, cut: SliceMap, values: Array, style: object, width: flo
     Question.FROM_WHERE,
     "Which way the contact point races, for every start in a plane of the phase space: blue on one side of F, "
     "vermilion on the other. The flatter the disk comes, the stronger is the colour. F is where the strong "
-    "colours meet. In hatched regions the disk would not fall even from a state with η = 0 that has the same φ, "
-    "σ̄₃ (a constant of motion) and energy. Beyond an abrupt change of colour, the motions belong to another "
-    "well of the potential in which the tilt moves.",
+    "colours meet. If a start in a hatched region is changed to η = 0, with the same φ, energy and σ̄₃ (a "
+    "constant of motion), the disk still does not fall. Beyond an abrupt change of colour, the motions belong to "
+    "another well of the potential in which the tilt moves.",
     group="slices",
     portraits=lambda asked: (
         (f"slice-{number}", (slice_map(asked.disk, where),))

@@ -46,7 +46,9 @@ class Portrait(Scene):
         "signed distance from F on face +1, in the units of the disk",
         words="three: 0, and one on each side",
     )
-    energy: Range | None = option(RANGE, "energies of the levels, in the units of the disk")
+    energy: Range | None = option(
+        RANGE, "range of the energies whose curves the phase portraits show, in the units of the disk"
+    )
 
     tally = PortraitCounts
     observables: ClassVar[tuple[str, ...]] = ("constants",)
