@@ -46,11 +46,10 @@ class Coordinate:
         """From a distribution, a range, a number, or text such as "norm:20:2". Raises InputError."""
         if all(hasattr(given, word) for word in _OF_FROZEN) and not hasattr(given, "freeze"):
             return cls(name, given, math.nan, unit, f"~ {_in_words(given)}")
-        alone = double_of(given)
-        if isinstance(given, str) and given[:1].isalpha() and alone is None:
+        if isinstance(given, str) and given[:1].isalpha() and double_of(given) is None:
             return cls(name, _by_name(name, given), math.nan, unit, f"~ {given}")
         try:
-            low, high = read_range(name, given if alone is None else (alone, alone))
+            low, high = read_range(name, given)
         except InputError:
             raise InputError(
                 f"{name} = {shown(given)}: give a number, a range (low, high) or LOW:HIGH, or a continuous frozen "

@@ -9,12 +9,14 @@ in the run, never on the number of workers.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, double_of, one_of, shown
+from explorer.errors import InputError, one_of, shown
+from explorer.phase.arguments import read_pair, read_range
 from explorer.phase.coordinates import ANGULAR, KNOWN, chart_of, recognise
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, States
@@ -43,10 +45,8 @@ class Ranges:
         """Raise InputError where a range is empty or goes beyond what the coordinate may be."""
         for name, (low, high) in self.ranges.items():
             told = f"{what} {pair_said(name, low, high)}"
-            if not (math.isfinite(low) and math.isfinite(high)):
-                raise InputError(f"{told} is not finite; give numbers as LOW:HIGH")
-            if low > high:
-                raise InputError(f"{told} is empty; give the smaller number first")
+            if not -math.inf < low <= high < math.inf:
+                raise InputError(f"{told}: give finite numbers as LOW:HIGH, the smaller one first")
             least, most, words = _ENDS.get(name, (-math.inf, math.inf, ""))
             if not (least <= low and high <= most):
                 raise InputError(f"{told} must lie between {words}; where it is in degrees, say so")
@@ -137,16 +137,16 @@ def pair_said(name: str, first: float, second: float) -> str:
 
 def read_ranges(option: str, given: Any) -> dict[str, Range]:
     """{"phi": (0, 0), ...} from "phi=0,phidot=-2:2", a mapping or `Ranges`. Raises InputError."""
-    return _by_coordinate(option, given, (1, 2), "a number or a range LOW:HIGH", "phi=0,phidot=-2:2")
+    return _by_coordinate(option, given, read_range, "phi=0,phidot=-2:2")
 
 
 def read_gaussians(option: str, given: Any) -> dict[str, Range]:
     """{"phidot": (0.5, 0.3), ...} from "phidot=0.5:0.3" or a mapping. Raises InputError naming the option."""
-    return _by_coordinate(option, given, (2,), "MEAN:DEVIATION", "phidot=0.5:0.3")
+    return _by_coordinate(option, given, partial(read_pair, form="MEAN:DEVIATION"), "phidot=0.5:0.3")
 
 
-def _by_coordinate(option: str, given: Any, counts: tuple[int, ...], form: str, example: str) -> dict[str, Range]:
-    """Two numbers for each coordinate, or, where one may be given, it twice."""
+def _by_coordinate(option: str, given: Any, read: Callable[[str, Any], Range], example: str) -> dict[str, Range]:
+    """Two numbers for each coordinate."""
     if isinstance(given, Ranges):
         given = given.describe()
     if not isinstance(given, str | Mapping):
@@ -154,16 +154,10 @@ def _by_coordinate(option: str, given: Any, counts: tuple[int, ...], form: str, 
     items = given.items() if isinstance(given, Mapping) else (part.split("=", 1) for part in given.split(","))
     ranges: dict[str, Range] = {}
     for name, *values in items:
-        name, value = one_of(f"{option} coordinate", str(name).strip(), KNOWN), values[0] if values else None
-        parts = (
-            value.split(":") if isinstance(value, str) else value if isinstance(value, list | tuple) else [value]
-        )
-        ends = [end for part in parts if (end := double_of(part)) is not None]
-        if len(ends) != len(parts) or len(ends) not in counts:
-            raise InputError(f'{option} {name} = {shown(value)} is not {form}; write it as in "{example}"')
+        name = one_of(f"{option} coordinate", str(name).strip(), KNOWN)
         if name in ranges:
             raise InputError(f"{option}: {name} is there twice; write each coordinate once")
-        ranges[name] = ends[0], ends[-1]
+        ranges[name] = read(f"{option} {name}", values[0] if values else None)
     return ranges
 
 

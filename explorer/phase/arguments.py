@@ -88,6 +88,22 @@ def entry_of(value: Any) -> float | None:
     return None if isinstance(value, str) else double_of(value)
 
 
+def read_pair(name: str, value: Any, form: str, unbounded: bool = False) -> tuple[float, float]:
+    """Read two finite numbers, "FIRST:SECOND" or a pair. Raises InputError, which asks for `form`.
+
+    unbounded: whether one may be left out, as in "FIRST:", ":SECOND" or a pair with None, and is then infinite.
+    """
+    ends = value.split(":") if isinstance(value, str) else value
+    try:
+        first, second = (
+            bound if unbounded and (end is None or end in ("", bound)) else number(name, end)
+            for end, bound in zip(ends, (-math.inf, math.inf), strict=True)
+        )
+    except (TypeError, ValueError):  # what is no pair, or not of finite numbers
+        raise InputError(f"{name} = {shown(value)} is not {form}, with finite numbers") from None
+    return first, second
+
+
 def read_range(name: str, value: Any, unbounded: bool = False) -> tuple[float, float]:
     """Read (low, high) with low <= high.
 
@@ -95,8 +111,8 @@ def read_range(name: str, value: Any, unbounded: bool = False) -> tuple[float, f
     ----------
     name : str
         As for `number`.
-    value : str or pair of numbers
-        "LOW:HIGH", or one number as text for a range of one point, or a pair of numbers.
+    value : str, number or pair of numbers
+        "LOW:HIGH" or a pair of numbers, or one number for a range of one point.
     unbounded : bool
         Whether an end may be left out, as in "LOW:", ":HIGH" or a pair with None, and is then infinite.
 
@@ -105,21 +121,12 @@ def read_range(name: str, value: Any, unbounded: bool = False) -> tuple[float, f
     InputError
         If `value` is no range, or the range is empty.
     """
-    form = "LOW:HIGH, LOW: or :HIGH" if unbounded else "LOW:HIGH"
-    ends = value.split(":") if isinstance(value, str) else value
-    if isinstance(value, str) and len(ends) == 1:
-        ends *= 2
-    if not isinstance(ends, list | tuple) or len(ends) != 2:
-        raise InputError(f"{name} {shown(value)} is not a range; give {form}")
-    try:
-        low, high = (
-            bound if unbounded and (end is None or end in ("", bound)) else number(name, end)
-            for end, bound in zip(ends, (-math.inf, math.inf), strict=True)
-        )
-    except InputError:
-        raise InputError(f"{name} {shown(value)} is not a range; give {form} with finite numbers") from None
+    if double_of(value) is not None:
+        value = (value, value)
+    form = "a number or a range LOW:HIGH" + (", LOW: or :HIGH" if unbounded else "")
+    low, high = read_pair(name, value, form, unbounded)
     if low > high:
-        raise InputError(f"{name} {low:g}:{high:g} is empty; give {form}, the smaller number first")
+        raise InputError(f"{name} = {low:g}:{high:g} is empty; give LOW:HIGH, the smaller number first")
     return low, high
 
 

@@ -99,8 +99,8 @@ def test_a_range_is_text_or_a_pair(value):
     assert read_range("energy", value) == (-1e-3, 2.0)
 
 
-def test_one_number_as_text_is_a_range_of_one_point():
-    assert read_range("box phi", "-0.5") == (-0.5, -0.5)
+def test_one_number_is_a_range_of_one_point():
+    assert read_range("box phi", "-0.5") == read_range("box phi", -0.5) == (-0.5, -0.5)
 
 
 @pytest.mark.parametrize(
@@ -114,18 +114,18 @@ def test_one_number_as_text_is_a_range_of_one_point():
 )
 def test_an_end_may_be_left_out_only_where_a_range_may_be_unbounded(value, ends):
     assert read_range("energy", value, unbounded=True) == ends
-    with pytest.raises(InputError, match="is not a range"):
+    with pytest.raises(InputError, match="is not a number or a range"):
         read_range("ladder", value)
 
 
-@pytest.mark.parametrize("value", ["1:2:3", "a:b", "nan:1", (1.0,), 3.0, None, (True, 2), "inf:inf", "", ":"])
+@pytest.mark.parametrize("value", ["1:2:3", "a:b", "nan:1", (1.0,), None, (True, 2), "inf:inf", "", ":"])
 def test_what_is_no_range_is_refused(value):
-    with pytest.raises(InputError, match=r"ladder .* is not a range; give LOW:HIGH"):
+    with pytest.raises(InputError, match=r"ladder = .* is not a number or a range LOW:HIGH"):
         read_range("ladder", value)
 
 
 def test_an_empty_range_is_refused():
-    with pytest.raises(InputError, match="ladder 2:1 is empty; give LOW:HIGH, the smaller number first"):
+    with pytest.raises(InputError, match="ladder = 2:1 is empty; give LOW:HIGH, the smaller number first"):
         read_range("ladder", "2:1")
 
 

@@ -91,7 +91,7 @@ def test_a_scene_file_sets_options_and_the_command_line_wins(capsys, tmp_path):
         ("samples = 3\n", "names no scene"),
         ('scene = "race-angles"\ncolour = 1\n', "colour: race-angles takes no such option"),
         ('scene = "race-angles"\nsamples = true\n', "samples = True"),
-        ('scene = "race-angles"\neta_hat = 1e-3\n', "is not a range"),
+        ('scene = "race-angles"\neta_hat = "near"\n', "is not a number or a range"),
         ("scene = 5\n", "names no scene"),
         ("=", "not valid TOML"),
     ],

@@ -106,7 +106,7 @@ def test_a_density_says_what_it_is_and_tells_functions_apart():
     ("options", "message"),
     [
         ({"energy": (2.0, 1.0)}, "is empty"),
-        ({"energy": "some"}, "is not a range"),
+        ({"energy": "some"}, "is not a number or a range"),
         ({"gaussian": "sigma3=0:1"}, "box has no range for"),
         ({"gaussian": 0.5}, "is no text"),
         ({"gaussian": "phi=0:0"}, "MEAN:DEVIATION"),

@@ -160,7 +160,7 @@ def test_a_density_that_does_not_vanish_at_flat_has_none_unless_the_energy_is_bo
     [
         ({"box": "sigma3=2:1"}, "is empty"),
         ({"energy": (3.0, 2.0)}, "is empty"),
-        ({"energy": "some"}, "is not a range"),
+        ({"energy": "some"}, "is not a number or a range"),
         ({"energy": (None, 0.5)}, "zero in all of the box"),
         ({"gaussian": "phi=0:1"}, "box has no range for"),
         ({"box": "phi=-1:1,sigma3=0.8,sigma4=1.2"}, "both fixed"),

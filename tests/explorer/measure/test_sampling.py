@@ -62,9 +62,9 @@ def test_an_energy_below_the_whole_box_is_refused_in_words():
         ("phi=0:3", "between -pi/2 and pi/2"),
         ("phidot=2:1", "smaller number first"),
         ("sigm3=1", "did you mean 'sigma3'"),
-        ("sigma3=a:b", "not a number"),
+        ("sigma3=a:b", "finite numbers"),
         ("sigma3=1,sigma3=2", "once"),
-        ("sigma4=-inf:1", "not finite"),
+        ("sigma4=-inf:1", "finite numbers"),
         ("phi", "is not a number or a range LOW:HIGH"),
     ],
 )
