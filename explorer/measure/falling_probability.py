@@ -20,11 +20,12 @@ from explorer.measure.box_integrals import Integrator
 from explorer.measure.density import Density
 from explorer.measure.distributions import Distribution
 from explorer.measure.falling_constant import FallingConstant, constant_of, weight_on_f
-from explorer.measure.importance_sampling import Tube, smallest_tilts
+from explorer.measure.importance_sampling import Tube
 from explorer.measure.invariance import flow_stretch, push_forward
 from explorer.measure.laws import SHAPE_BINS, Estimate
 from explorer.measure.sampling import Stream, chunk_stream
 from explorer.measure.tubes import widest_eta
+from explorer.motion.turning_points import smallest_tilts
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, phi_to_states
 

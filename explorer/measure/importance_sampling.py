@@ -20,9 +20,8 @@ from explorer.measure.laws import Estimate
 from explorer.measure.sampling import Stream
 from explorer.measure.tubes import TiltAndRate, counts_on, half_width
 from explorer.motion.orbits import KERNELS as OF_ENDS
-from explorer.motion.orbits import ends_of, smallest, tilts_on
-from explorer.motion.starts import arc_starts_of, face_of, status_at_start
 from explorer.motion.trajectories import finer
+from explorer.motion.turning_points import smallest_tilts
 from explorer.phase.disk import Disk
 from explorer.phase.lines import motion_given, other_eta_hat
 from explorer.phase.states import Array, States
@@ -43,29 +42,6 @@ _TOWARDS_FLAT, _PARTS, _PILOT = 57, 2, 64
 _OWN, _OWN_PAIR = 0.15, 0.03
 # Distance from flat that an angle from elsewhere resolves to 1e-4
 _RESOLVED = 1e-12
-
-
-def smallest_tilts(states: States, count: int, accuracy: float) -> tuple[Array, NDArray[np.int8]]:
-    """The smallest tilt (rad) in the next `count` approaches to flat, and the status; 0 of what falls in these.
-
-    All approaches on one face are alike, so that two say all.
-    """
-    code, own = compiled.status.Status, face_of(states)
-    status = status_at_start(states, sided=False)
-    theta, falls = np.full(status.shape, np.nan), status == code.FALLS
-    rows = np.flatnonzero((status == code.OK) | falls)
-    motions = arc_starts_of(states, own).at(rows)
-    ends = ends_of(states.disk, motions)
-    # The first approach may be on the other face than the one that is nearer to F. A pendulum falls on both.
-    pendulum = falls & (states.motion.eta_plus == states.motion.eta_minus)
-    elsewhere = (own[rows] * states.rows.p[rows] > 0.0) & ends.crosses & ~pendulum[rows] & (count == 1)
-    tilt, error = smallest(motions, ends) if count > 1 else tilts_on(elsewhere, motions, ends)
-    falling = falls[rows] & ~elsewhere
-    known = falling | (error <= accuracy)
-    tilt = np.where(falling, 0.0, tilt)
-    theta[rows] = np.where(known, tilt, np.nan)
-    status[rows[~known]] = code.STEP_LIMIT
-    return theta, status
 
 
 @dataclass(frozen=True)

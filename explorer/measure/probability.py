@@ -17,10 +17,11 @@ from explorer import compiled
 from explorer.errors import InputError, RunError, flag, number, shown, whole
 from explorer.measure import statistics
 from explorer.measure.distributions import Distribution
-from explorer.measure.importance_sampling import BLOCK, LARGEST_DELTA, NearFallingSet, smallest_tilts
+from explorer.measure.importance_sampling import BLOCK, LARGEST_DELTA, NearFallingSet
 from explorer.measure.sampling import Stream
 from explorer.measure.tubes import widest_eta
 from explorer.motion.bounces import MOST, Bounces, bounces
+from explorer.motion.turning_points import smallest_tilts
 from explorer.phase.arguments import returned_numbers
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import States

@@ -28,13 +28,6 @@ def rule() -> "compiled.rules.Rule":
     return compiled.rules.make_rule()
 
 
-def some(
-    place: "compiled.turning_points.Place[Array]", rows: NDArray[np.intp]
-) -> "compiled.turning_points.Place[Array]":
-    """Some of the places."""
-    return compiled.turning_points.Place(*(column.take(rows) for column in place))
-
-
 def from_place(
     X: Array, Y: Array, place: "compiled.turning_points.Place[Array]"
 ) -> "compiled.turning_points.Starts":

@@ -11,7 +11,7 @@ from explorer.motion.arcs import PIECE, arcs_between, by_rules, from_place, inte
 from explorer.motion.vertical import depth
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
-from explorer.phase.lines import line_slope
+from explorer.phase.lines import line_slope, rows_of
 from explorer.phase.states import Array
 
 KERNELS = (
@@ -83,7 +83,7 @@ def by_tables(
             kernel(motions, tables, disk.natural, out)
             continue
         found = rows_apart(out.shape[0], rows.size)
-        kernel(type(motions)(*(column[rows] for column in motions)), tables, disk.natural, found)
+        kernel(rows_of(motions, rows), tables, disk.natural, found)
         out[:, rows] = found[:, : rows.size]
 
 
@@ -100,8 +100,7 @@ def falls_as_arcs(
     rest = np.flatnonzero(place(*begin).K < 0.0)
     if rest.size:
         found = np.empty((begin.shape[0], rest.size))
-        below = compiled.turning_points.Starts(*(column[rest] for column in starts))
-        compiled.turning_points.rest_batch(below, disk.chart, found)
+        compiled.turning_points.rest_batch(rows_of(starts, rest), disk.chart, found)
         begin[:, rest] = found
     first, below_piece = np.zeros((len(rule.ArcRow._fields), n)), begin.copy()
     slow = np.flatnonzero(np.isfinite(place(*begin).slow))

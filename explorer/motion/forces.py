@@ -15,6 +15,7 @@ from explorer.motion.threads import BLOCK, blocks
 from explorer.motion.vertical import VerticalStarts, starts_at_vertical
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
+from explorer.phase.lines import rows_of
 from explorer.phase.results import Result
 from explorer.phase.states import Array
 
@@ -94,7 +95,7 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     (bar, eta, speed), shape = read_columns({"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot})
     starts = starts_at_vertical(disk, bar, eta, speed, np.ones_like(bar))
     groups = blocks(starts.status.size, BLOCK // _POINTS)
-    normal, friction = np.concatenate([_extremes(disk, starts.at(rows)) for rows in groups], axis=1)
+    normal, friction = np.concatenate([_extremes(disk, rows_of(starts, rows)) for rows in groups], axis=1)
     code, falls, good = compiled.status.Status, starts.eta_hat == 0.0, starts.status == compiled.status.Status.OK
     # No friction is enough where the table would have to pull; elsewhere an infinite one has overflowed.
     overflown = np.isnan(friction) | (np.isinf(friction) & (normal > 0.0))
@@ -123,7 +124,7 @@ def _extremes(disk: Disk, starts: VerticalStarts) -> Array:
         (crossing, below_vertical, True),
         (from_place(crossing.X, crossing.Y, turning), above_turning, False),
     ):
-        each = compiled.turning_points.Starts(*(np.repeat(column, d.shape[1]) for column in start))
+        each = rows_of(start, np.repeat(np.arange(len(d)), d.shape[1]))
         found = _forces(disk, compiled.turning_points.Place(*places(disk, each, d.ravel(), inward)))
         here.append(found.reshape(2, *d.shape))
     normal, friction = np.concatenate(here, axis=2)

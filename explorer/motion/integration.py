@@ -17,7 +17,7 @@ from explorer.motion import precision
 from explorer.motion.plan import FIXED, Plan
 from explorer.motion.threads import attended
 from explorer.phase.disk import Disk
-from explorer.phase.lines import Motion
+from explorer.phase.lines import Motion, rows_of
 from explorer.phase.states import Array
 
 # Some thousand passages at the finest settings; only a start beside an equilibrium needs more.
@@ -43,7 +43,7 @@ class InitialValues(NamedTuple):
 
     def at(self, rows: NDArray[np.intp] | slice) -> InitialValues:
         """Some of them."""
-        initial, motion = np.ascontiguousarray(self.initial[:, rows]), self.motion.at(rows)
+        initial, motion = np.ascontiguousarray(self.initial[:, rows]), rows_of(self.motion, rows)
         return self._replace(initial=initial, motion=motion, status=self.status[rows], control=self.control[rows])
 
     def finer(self, less: Array) -> InitialValues:

@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.arcs import OF_ANGLES, allowed, arcs_between, from_place, integrals, next_inward, places, some
+from explorer.motion.arcs import OF_ANGLES, allowed, arcs_between, from_place, integrals, next_inward, places
 from explorer.motion.starts import ArcStarts
 from explorer.phase.disk import Disk
+from explorer.phase.lines import rows_of
 from explorer.phase.states import Array
 
 KERNELS = "turning_points.orbit_batch", "turning_points.inward_batch"  # of `ends_of`, for `compiled.warmup`
@@ -66,7 +67,7 @@ def ends_of(disk: Disk, motions: ArcStarts) -> Ends:
     crosses, far = outer.K > 0.0, np.full(tables[0].shape, np.nan)
     rows = np.flatnonzero(crosses)
     far[:, rows] = next_inward(
-        disk, from_place(motions.starts.X[rows], motions.Y_far[rows], beyond(some(vertical, rows)))
+        disk, from_place(motions.starts.X[rows], motions.Y_far[rows], beyond(rows_of(vertical, rows)))
     )
     return Ends(state, inner, outer, vertical, turning.Place(*far), crosses)
 
@@ -105,8 +106,7 @@ def closest_to_crest(disk: Disk, motions: ArcStarts) -> Array:
     )
     for starts, end, inward in ends_and_starts:
         rows = np.flatnonzero(np.isfinite(end.crest))
-        origin = compiled.turning_points.Starts(*(column[rows] for column in starts))
-        at = compiled.turning_points.Place(*places(disk, origin, end.crest[rows], inward))
+        at = compiled.turning_points.Place(*places(disk, rows_of(starts, rows), end.crest[rows], inward))
         closest[rows] = np.fmin(closest[rows], at.slow)
     return np.nan_to_num(closest, nan=np.inf, posinf=np.inf)
 
@@ -136,7 +136,7 @@ def orbits_of(
     narrow = (ends.width < compiled.nutation.WIDEST) & ~ends.beside_crest
     rows = np.flatnonzero(narrow)
     if rows.size:
-        whole, *parts = _wobbles(disk, motions.at(rows), ends, rows)
+        whole, *parts = _wobbles(disk, rows_of(motions, rows), ends, rows)
         if lead:
             here[:, rows], back[:, rows], ahead[:, rows] = parts
         else:  # where the vertical lies in a well is not known as well as the well
@@ -163,7 +163,7 @@ def orbits_of(
             row = rule(*out[:, upright])
             left[upright] = ~((row.angle_error <= of_arc) & (row.time_error <= of_arc * row.time))
         rows = of[left]
-        arcs = arcs_between(X[rows], constant[rows], length[rows], some(low, rows), some(high, rows))
+        arcs = arcs_between(X[rows], constant[rows], length[rows], rows_of(low, rows), rows_of(high, rows))
         out[:, left] = integrals(disk, arcs, crest[rows], of_arc)
         return out
 
@@ -197,7 +197,7 @@ def _by_tables(disk: Disk, X: Array, Y: Array, K: Array) -> Array:
 @np.errstate(over="ignore")  # of motions that are no input
 def _wobbles(disk: Disk, motions: ArcStarts, ends: Ends, rows: NDArray[np.intp]) -> tuple[Array, ...]:
     """Of motions whose turning points are near together the arc between these, and the same arcs as above."""
-    inner, outer, vertical = (some(place, rows) for place in (ends.inner, ends.outer, ends.vertical))
+    inner, outer, vertical = (rows_of(place, rows) for place in (ends.inner, ends.outer, ends.vertical))
     crosses, far = ends.crosses[rows], ends.far.d[rows]
     # Rounding moves both turning points by as large a share of the way there; from rest one is where it is.
     shares = [np.divide(end.error, end.d, np.zeros(crosses.size), where=end.d > 0.0) for end in (inner, outer)]

@@ -9,7 +9,8 @@ from explorer import compiled
 from explorer.motion.orbits import Ends, Orbits
 from explorer.motion.passages_by_integration import followed_to_flattest
 from explorer.motion.plan import Plan
-from explorer.motion.turning_points import tilt_of, turning_points
+from explorer.motion.turning_points import turning_points_around
+from explorer.phase.lines import rows_of
 from explorer.phase.states import Array, States, constants_to_states
 
 _OF_ARC = 0.25  # of the accuracy: a motion is followed from its state to both of its turning points, and on
@@ -23,13 +24,10 @@ def integrated_orbits(states: States, own: Array, ends: Ends, how: Plan) -> tupl
     What could not be followed has infinite errors.
     """
     n, finer = len(states), replace(how, accuracy=_OF_ARC * how.accuracy)
-    turns = [turning_points(each, finer) for each in (states, states.reversed())]
-    # A state at rest is the turning point behind itself.
-    moves = np.stack([np.ones(n, bool), states.rows.p != 0.0])
-    theta = np.where(moves, [turn.theta for turn in turns], tilt_of(states.natural))
-    face = np.where(moves, [turn.face for turn in turns], own)
-    time, chi, psi, error = (
-        np.where(moves, [getattr(turn, name) for turn in turns], 0.0) for name in ("time", "chi", "psi", "error")
+    turns = turning_points_around(states, finer)
+    theta, face, time, chi, psi, error = (
+        np.stack([getattr(turn, name) for turn in turns])
+        for name in ("theta", "face", "time", "chi", "psi", "error")
     )
     crosses = face[0] != face[1]
     # 0 where the flattest moment on this face lies ahead of the state, 1 where behind it
@@ -65,7 +63,7 @@ def _from_vertical(
     states: States, face: Array, ends: Ends, how: Plan, rows: NDArray[np.intp]
 ) -> tuple[Array, ...]:
     """Time, chi, psi as the face has it, and the error, of some motions from the vertical to a turning point."""
-    disk, motion, unit = states.disk, states.motion.at(rows), states.disk.rate_unit
+    disk, motion, unit = states.disk, rows_of(states.motion, rows), states.disk.rate_unit
     eta_hat, own = disk.eta_to_eta_hat(motion.eta(face[rows] > 0.0)), face[rows]
     with np.errstate(invalid="ignore"):  # no speed where there is no vertical: bad input, and no answer
         phidot = own * np.sqrt(2.0 * disk.body.inv_M * ends.vertical.K[rows])

@@ -21,6 +21,7 @@ from explorer.motion.threads import BLOCK, blocks, in_parts
 from explorer.motion.vertical import VerticalStarts, starts_at_vertical
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
+from explorer.phase.lines import rows_of
 from explorer.phase.results import Result, joined
 from explorer.phase.states import Array
 
@@ -169,7 +170,7 @@ def passages(
     edge, starts = _edge_of(window, how.method), starts_at_vertical(disk, *columns)
     # Threads that nobody waits for any more, after Ctrl-C, do no more than this many at a time.
     rows, some = starts.status.size, None if jobs_of("jobs", jobs) == 1 else 64 * BLOCK
-    found = joined(in_parts(jobs, rows, lambda part: passages_by(disk, starts.at(part), how, edge)[0], some))
+    found = joined(in_parts(jobs, rows, lambda part: passages_by(disk, rows_of(starts, part), how, edge)[0], some))
     # The numbers as they were given, also where a placeholder stood for them.
     given = dict[str, Any](zip(Passages._GIVEN, columns, strict=True))
     return replace(found, **given).reshaped(shape)
@@ -183,7 +184,8 @@ def passages_by(
     edge: the tilt phi (rad) of the window. tables: False for quadrature by arcs alone.
     """
     if how.method == "quadrature":
-        parts = (by_quadrature(disk, starts.at(rows), how, edge, tables) for rows in blocks(starts.status.size))
+        some = (rows_of(starts, rows) for rows in blocks(starts.status.size))
+        parts = (by_quadrature(disk, each, how, edge, tables) for each in some)
         return _assemble(disk, starts, parts, how, edge), None
     samples, steps = by_integration(disk, starts, how)
     return _assemble(disk, starts, [samples], how, edge), steps

@@ -12,7 +12,7 @@ from explorer.motion.starts import ArcStarts
 from explorer.motion.vertical import VerticalStarts, depth
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
-from explorer.phase.lines import line_slope
+from explorer.phase.lines import line_slope, rows_of
 from explorer.phase.states import Array
 
 _AS_FROM_REST = 1e-140  # of speeds: less changes no digit, and its square may have none
@@ -40,8 +40,7 @@ def by_quadrature(
         by_tables(disk, compiled.passages.passage_batch, crossings, how.accuracy, left, out)
     rows = left()
     if rows.size:
-        some = compiled.passages.Crossings(*(column[rows] for column in crossings))
-        out[:, rows], status[rows] = as_arcs(disk, some, edge, most)
+        out[:, rows], status[rows] = as_arcs(disk, rows_of(crossings, rows), edge, most)
     return _ways(disk, starts.face, crossings, out[:, :n], status)
 
 
@@ -63,7 +62,7 @@ def as_arcs(
         missed = ~(next_inward(disk, motions.starts).d > depth(edge))
         motions = motions._replace(starts=from_place(X, Y, place(*at)))
     kept = np.flatnonzero(~missed)
-    motions = motions.at(kept)
+    motions = rows_of(motions, kept)
     ends = ends_of(disk, motions)
     lead, inner = orbits_of(disk, motions, ends, accuracy, False, True, False).lead, ends.inner
     with np.errstate(divide="ignore"):  # of motions that do not come this way

@@ -19,6 +19,7 @@ from explorer.motion.arcs import from_place, places
 from explorer.motion.orbits import beyond, ends_of
 from explorer.motion.starts import ArcStarts
 from explorer.phase.disk import Disk
+from explorer.phase.lines import rows_of
 from explorer.phase.states import Array
 
 # For `compiled.warmup`
@@ -80,7 +81,7 @@ class Stretch(NamedTuple):
     @np.errstate(divide="ignore", invalid="ignore")  # at flat
     def points(self, disk: Disk, u: Array) -> tuple[Array, ...]:
         """q, z, thetadot, sigma3/q and sigma4, as in Moving, and the relative error of K."""
-        starts = compiled.turning_points.Starts(*(np.full(u.size, column[0]) for column in self.start))
+        starts = rows_of(self.start, np.zeros(u.size, np.intp))
         inward = self.before != self.crossed
         at = compiled.turning_points.Place(*places(disk, starts, self.distance(u)[0], inward))
         larger, face = 1.0 + at.r * at.r, -1.0 if self.crossed else 1.0

@@ -60,11 +60,6 @@ class ArcStarts(NamedTuple):
     unsure: Array
     unsure_far: Array
 
-    def at(self, rows: NDArray[np.intp]) -> "ArcStarts":
-        """Some of them."""
-        starts = compiled.turning_points.Starts(*(column[rows] for column in self.starts))
-        return ArcStarts(starts, self.Y_far[rows], self.unsure[rows], self.unsure_far[rows])
-
 
 def arc_starts_of(states: States, face: Array) -> ArcStarts:
     """The same of states, each seen from a face; states that are no input give any numbers."""

@@ -1,6 +1,6 @@
 """Turning points, where motions stop tilting: the next by integration, and the smallest tilt by either method."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion import integration, precision
-from explorer.motion.orbits import KERNELS, ends_of, smallest
+from explorer.motion.orbits import KERNELS, ends_of, smallest, tilts_on
 from explorer.motion.plan import Plan
 from explorer.motion.starts import arc_starts_of, face_of, status_at_start
+from explorer.phase.lines import rows_of
 from explorer.phase.states import Array, States
 
 
@@ -87,35 +88,48 @@ def smallest_tilt(
     of_states: the status that `falls_of` gives them, where it is known already.
     """
     if how.method == "quadrature":
-        before = status_at_start(states, sided=False) if of_states is None else of_states.copy()
-        theta, status, steps = _by_algebra(states, how.accuracy, before)
+        theta, status = smallest_tilts(states, 2, how.accuracy, of_states)
+        steps = np.zeros(status.size, np.int32)
     else:
-        theta, status, steps = _both_ways(states, how)
+        ahead, behind = turning_points_around(states, how, tilts_only=True)
+        theta, steps = np.minimum(ahead.theta, behind.theta), ahead.steps + behind.steps
+        status = np.where(ahead.status == compiled.status.Status.OK, behind.status, ahead.status)
     return np.where(status == compiled.status.Status.OK, theta, np.nan), status, steps
 
 
-def _by_algebra(
-    states: States, accuracy: float, status: NDArray[np.int8]
-) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
-    """The tilt at the flattest moment, from where E - V is 0, of states whose status is OK."""
-    theta, code = np.full(status.size, np.nan), compiled.status.Status
-    if states.disk.body.I3 > 0.0:
-        rows = np.flatnonzero(status == code.OK)
-        motions = arc_starts_of(states, face_of(states)).at(rows)
-        theta[rows], error = smallest(motions, ends_of(states.disk, motions))
-        status[rows[~(error <= accuracy)]] = code.STEP_LIMIT
-    else:  # there is no potential of the tilt alone
-        status[status == code.OK] = code.STEP_LIMIT
-    return theta, status, np.zeros(status.size, np.int32)
+def turning_points_around(
+    states: States, how: Plan, tilts_only: bool = False
+) -> tuple[TurningPoints, TurningPoints]:
+    """The next turning points and those before; a state at rest is the one before itself."""
+    ahead, behind = (turning_points(each, how, tilts_only) for each in (states, states.reversed()))
+    none, rest = np.zeros(len(states)), states.rows.p == 0.0
+    own = {"theta": tilt_of(states.natural), "face": face_of(states)}
+    own |= dict.fromkeys(("time", "chi", "psi", "error"), none)
+    return ahead, replace(behind, **{name: np.where(rest, v, getattr(behind, name)) for name, v in own.items()})
 
 
-def _both_ways(states: States, how: Plan) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
-    """The smaller tilt at the next turning point and at the one before.
+def smallest_tilts(
+    states: States, count: int, accuracy: float, of_states: NDArray[np.int8] | None = None
+) -> tuple[Array, NDArray[np.int8]]:
+    """The smallest tilt (rad) in the next `count` approaches to flat, and the status; 0 of what falls in these.
 
-    A start at rest is a turning point itself, which both of these pass over.
+    All approaches on one face are alike, so that two say all. of_states: as for `smallest_tilt`.
     """
-    ahead, behind = (turning_points(each, how, tilts_only=True) for each in (states, states.reversed()))
-    status = np.where(ahead.status == compiled.status.Status.OK, behind.status, ahead.status)
-    theta, rest = np.minimum(ahead.theta, behind.theta), np.flatnonzero(states.rows.p == 0.0)
-    theta[rest] = np.minimum(theta[rest], tilt_of(states.natural[:, rest]))
-    return theta, status, ahead.steps + behind.steps
+    code, own = compiled.status.Status, face_of(states)
+    status = status_at_start(states, sided=False) if of_states is None else of_states.copy()
+    if not states.disk.body.I3 > 0.0:  # there is no potential of the tilt alone
+        status[status == code.OK] = code.STEP_LIMIT
+    theta, falls = np.full(status.shape, np.nan), status == code.FALLS
+    rows = np.flatnonzero((status == code.OK) | falls)
+    motions = rows_of(arc_starts_of(states, own), rows)
+    ends = ends_of(states.disk, motions)
+    # The first approach may be on the other face than the one that is nearer to F. A pendulum falls on both.
+    pendulum = falls & (states.motion.eta_plus == states.motion.eta_minus)
+    elsewhere = (own[rows] * states.rows.p[rows] > 0.0) & ends.crosses & ~pendulum[rows] & (count == 1)
+    tilt, error = smallest(motions, ends) if count > 1 else tilts_on(elsewhere, motions, ends)
+    falling = falls[rows] & ~elsewhere
+    known = falling | (error <= accuracy)
+    tilt = np.where(falling, 0.0, tilt)
+    theta[rows] = np.where(known, tilt, np.nan)
+    status[rows[~known]] = code.STEP_LIMIT
+    return theta, status

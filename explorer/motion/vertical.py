@@ -26,11 +26,6 @@ class VerticalStarts(NamedTuple):
     face: Array
     status: NDArray[np.int8]
 
-    def at(self, rows: NDArray[np.intp] | slice) -> "VerticalStarts":
-        """Some of the starts."""
-        s3, eta_hat, speed, face, status = self
-        return VerticalStarts(s3[rows], eta_hat[rows], speed[rows], face[rows], status[rows])
-
     def natural(self, disk: Disk) -> "compiled.passages.Crossings":
         """The starts as the kernels take them, in natural units."""
         unit = disk.rate_unit

@@ -5,13 +5,15 @@ together by eta_plus + eta_minus = 2 I1 r'(0) sigma3_bar, eq. (6.2), and eta_plu
 Everything here is in natural units.
 """
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.phase.disk import Array, Disk, require_axial_inertia
+
+Record = TypeVar("Record", bound=tuple[Any, ...])
 
 
 class Motion(NamedTuple):
@@ -41,9 +43,10 @@ class Motion(NamedTuple):
         """A bound of the rounding error of that eta."""
         return np.where(plus, self.rounding_plus, self.rounding_minus)
 
-    def at(self, rows: NDArray[Any] | slice) -> "Motion":
-        """Some of them."""
-        return Motion(*(column[rows] for column in self))
+
+def rows_of(record: Record, rows: NDArray[Any] | slice) -> Record:
+    """Some rows of a named tuple of columns, or of such tuples."""
+    return type(record)(*(rows_of(each, rows) if isinstance(each, tuple) else each[rows] for each in record))
 
 
 def motion_through(disk: Disk, states: Array) -> Motion:

@@ -19,7 +19,7 @@ from explorer.phase.arguments import columns_of as columns_of
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
 from explorer.phase.disk import Array as Array
-from explorer.phase.lines import Motion, line_slope, motion_given, motion_through
+from explorer.phase.lines import Motion, line_slope, motion_given, motion_through, rows_of
 
 # Also where the user has set numpy to raise.
 _UNDERFLOW_IS_ZERO = np.errstate(under="ignore")
@@ -121,7 +121,7 @@ class States:
         chosen = np.atleast_1d(np.arange(len(self))[rows])
         if chosen.ndim != 1:
             raise InputError(f"states[{shown(rows)}]: give a number, a slice, a mask or a list of numbers")
-        given = None if self.given is None else self.given.at(chosen)
+        given = None if self.given is None else rows_of(self.given, chosen)
         return States(self.disk, np.ascontiguousarray(self.natural[:, chosen]), self.status[chosen], given)
 
     at = __getitem__
