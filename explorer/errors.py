@@ -157,11 +157,11 @@ def double_of(value: Any) -> float | None:
         return math.inf
 
 
-def positive(name: str, value: Any) -> float:
-    """Read a finite number above 0. Raises InputError."""
+def positive(name: str, value: Any, high: float = math.inf) -> float:
+    """Read a finite number above 0, `high` at most. Raises InputError."""
     read = number(name, value)
-    if read <= 0.0:
-        raise InputError(f"{said(name, value)} must be a finite number above 0")
+    if not 0.0 < read <= high:
+        raise InputError(f"{said(name, value)} must be a finite number above 0{_between(-math.inf, high)}")
     return read
 
 

@@ -40,7 +40,7 @@ from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import barrier, well
 from explorer.phase.lines import line_chart
 from explorer.phase.results import Table
-from explorer.phase.roots import changes_of_sign
+from explorer.phase.roots import changes_of_sign, roots_among
 from explorer.phase.states import Array
 
 _ROUNDING = 1e-13  # relative, of a sum of some 10^5 positive terms and of the solutions in it
@@ -279,9 +279,7 @@ class LineIntegral:
         phi = 0.5 * (low + high) + 0.5 * (high - low) * scan
         found: list[float] = []
         for s3, s4 in product(*({*density.reach(name), *density.means(name)} for name in ("sigma3", "sigma4"))):
-            sign = np.sign(eta(phi, s3, s4))
-            i = np.flatnonzero(sign[1:] * sign[:-1] < 0.0)
-            found += changes_of_sign(partial(eta, s3=s3, s4=s4), phi[i], phi[i + 1]).tolist()
+            found += roots_among(partial(eta, s3=s3, s4=s4), phi).tolist()
         return found
 
     def _only_bar(self, phi: Array, a: Array, c: Array) -> tuple[Array, Array]:

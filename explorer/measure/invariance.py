@@ -13,7 +13,7 @@ import scipy
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, number, whole
+from explorer.errors import InputError, number, positive, whole
 from explorer.measure.density import Density
 from explorer.measure.sampling import Box, chunk_stream
 from explorer.measure.statistics import either_p
@@ -104,9 +104,7 @@ def flow_stretch(states: States, steps: int = 200, step: float = 0.05) -> Stretc
     1.0
     """
     require_states(states)
-    steps, step = whole("steps", steps, 1, 2**31 - 1), number("step", step, high=1.0)
-    if not step > 0.0:
-        raise InputError(f"step = {step:g}: give a number above 0, 1 at most")
+    steps, step = whole("steps", steps, 1, 2**31 - 1), positive("step", step, 1.0)
     n, disk, code = len(states), states.disk, compiled.status.Status
     matrix, time = np.empty((n, 4, 4)), np.empty(n)
     for rows in blocks(n, max(1, _STEPS_AT_ONCE // steps)):
@@ -194,9 +192,7 @@ def push_forward(
     (True, 0)
     """
     require_axial_inertia(disk)
-    time, seed = number("time", time, 0.0), whole("seed", seed, 0, 2**128 - 1)
-    if not time > 0.0:
-        raise InputError("time = 0: give a time above 0")
+    time, seed = positive("time", time), whole("seed", seed, 0, 2**128 - 1)
     samples = whole("samples", samples, _FEWEST, _MOST_SAMPLES)
     density = energy_density(disk, _HIGHEST * disk.energy_unit if energy is None else number("energy", energy))
     still, start = (density.draw(disk, chunk_stream(seed, index), samples) for index in (0, 1))

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import scipy  # loads scipy.stats where it is used
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, flag, shown, whole
@@ -15,11 +14,10 @@ from explorer.measure.sampling import ChartBox, Range, in_radians, read_ranges
 from explorer.motion.plan import plan
 from explorer.motion.scan import Observable, Scan, scan
 from explorer.motion.turning_points import smallest_tilt
-from explorer.phase.constants import constants_of
 from explorer.phase.coordinates import ANGULAR
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import Falls, falls
-from explorer.phase.states import Array, States, require_states
+from explorer.phase.states import Array
 
 _MOST_POINTS = 4000  # a side; 16 million states, of which every array takes 128 MB
 SLICE_ACCURACY = 1e-3  # relative, of theta_min: a picture shows no more
@@ -214,10 +212,8 @@ class ConstantsPlane:
     Examples
     --------
     >>> import explorer as ex
-    >>> states = ex.phi_to_states(ex.Disk.uniform(), 0.0, [0.5, 1.0], [0.5, 1.0], [-0.5, 0.7])
-    >>> from explorer.measure.slices import flattest_per_cell
-    >>> flattest_per_cell(states, cells=4).method
-    'quadrature'
+    >>> run = ex.run("falling-set", samples=1000)  # doctest: +SKIP
+    >>> run.figure("constants-plane")  # doctest: +SKIP
     """
 
     disk: Disk
@@ -225,48 +221,3 @@ class ConstantsPlane:
     sigma4_edges: Array
     smallest: Array
     method: str
-
-
-def flattest_per_cell(states: States, cells: int = 100, method: str = "auto") -> ConstantsPlane:
-    """Find the flattest motion among states in each cell of the plane of constants of motion.
-
-    Parameters
-    ----------
-    states : States
-        The samples.
-    cells : int
-        A side of the plane, which holds 99.5 % of the samples in each direction.
-    method : str
-        How theta_min is computed, as for `passages`.
-
-    Returns
-    -------
-    ConstantsPlane
-
-    Raises
-    ------
-    InputError
-        If cells or method cannot be used.
-
-    Examples
-    --------
-    >>> import numpy as np, explorer as ex
-    >>> from explorer.measure.slices import flattest_per_cell
-    >>> draw = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 500))
-    >>> plane = flattest_per_cell(ex.phi_to_states(ex.Disk.uniform(), 0.0, *draw), cells=10)
-    >>> plane.smallest.shape
-    (10, 10)
-    """
-    require_axial_inertia(require_states(states).disk)
-    cells = whole("cells", cells, 2, _MOST_POINTS)
-    how = plan(("theta_min",), SLICE_ACCURACY, method)
-    theta, _status, _steps = smallest_tilt(states, how)
-    table = constants_of(states)
-    bars = np.stack([table.sigma3_bar, table.sigma4_bar])
-    known = np.isfinite(theta) & np.isfinite(bars).all(axis=0)
-    reach = np.percentile(abs(bars[:, known]), 99.5, axis=1) if known.any() else np.ones(2)
-    edges = [np.linspace(-end, end, cells + 1) for end in reach]
-    smallest = np.full((cells, cells), np.nan)
-    if known.any():
-        smallest = scipy.stats.binned_statistic_2d(*bars[:, known], theta[known], "min", edges).statistic.T
-    return ConstantsPlane(states.disk, edges[0], edges[1], smallest, how.method)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, jobs_of, number, shown
+from explorer.errors import InputError, jobs_of, positive
 from explorer.motion.arcs import OF_ANGLES
 from explorer.motion.falls import departures_of_moving, fall_integrals, rows_apart
 from explorer.motion.passages_by_integration import by_integration
@@ -209,10 +209,7 @@ def _edge_of(window: float | None, method: str) -> float:
         return 0.0
     if method != "quadrature":
         raise InputError(f"window: {method} goes from vertical to vertical; use method='quadrature'")
-    cosine = number("window", window, 0.0, 1.0)
-    if cosine == 0.0:
-        raise InputError(f"window = {shown(window)}: is flat itself; give cos phi, a number above 0, 1 at most")
-    return float(np.arccos(cosine))
+    return float(np.arccos(positive("window", window, 1.0)))
 
 
 @np.errstate(over="ignore")  # of starts that are no input

@@ -1,10 +1,9 @@
 """Samples whose answers are known, on which any method can be tried at any setting: passages and motions."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,8 +40,8 @@ class Tried(NamedTuple):
     steps: NDArray[np.int32] | None
 
 
-class ReferenceSamples(ABC):
-    """Samples with their true answers.
+class Samples:
+    """Samples with their true answers, on which a method is tried: `compare` with these what `call` returns.
 
     kind: what they are. unit: what a cost is the cost of. error: what the error is, in words. in_time: whether
     they are motions in time, so that quadrature gives no answer.
@@ -54,30 +53,13 @@ class ReferenceSamples(ABC):
     observables: ClassVar[tuple[str, ...]]
     in_time: ClassVar[bool] = False
 
-    @abstractmethod
-    def call(self, how: Plan) -> Any:
-        """What users or scenes call, by a plan; this is what is timed."""
-
-    @abstractmethod
-    def compare(self, found: Any, accuracy: float) -> Tried:
-        """What `call` returned beside the true answers; ANY_ERROR: only what the integrator itself gives."""
-
-    @property
-    @abstractmethod
-    def known(self) -> NDArray[np.bool_]:
-        """Samples whose true answer is known."""
-
     def plan(self, method: str, accuracy: float, setting: float | None = None) -> Plan:
         """How they are computed by a method, at an accuracy or at a setting."""
         asked = plan(self.observables, TIGHTEST["rk4"] if accuracy == ANY_ERROR else accuracy, method)
         return replace(asked, accuracy=accuracy, setting=setting)
 
-    def finest(self) -> Any:
-        """What an integrator gives by far finer steps than any accuracy needs."""
-        return self.call(self.plan("rk8", ANY_ERROR, _FINEST))
 
-
-class ReferencePassages(ReferenceSamples):
+class ReferencePassages(Samples):
     """Passages from starts at the vertical, as `passages` computes them."""
 
     kind = "passages"
@@ -97,12 +79,15 @@ class ReferencePassages(ReferenceSamples):
 
     @property
     def known(self) -> NDArray[np.bool_]:
+        """Samples whose true answer is known."""
         return self.exact.ok
 
     def call(self, how: Plan) -> tuple[Passages, NDArray[np.int32] | None]:
+        """What users or scenes call, by a plan; this is what is timed."""
         return passages_by(self.disk, self.starts, how)
 
-    def compare(self, found: tuple[Passages, NDArray[np.int32] | None], accuracy: float) -> Tried:
+    def compare(self, found: Any, accuracy: float) -> Tried:
+        """What `call` returned beside the true answers; ANY_ERROR: only what the integrator itself gives."""
         (made, steps), exact = found, self.exact
         # The fall is found to the accuracy asked, by whatever method the passage is.
         names = OF_PASSAGES if accuracy < ANY_ERROR else [name for name in OF_PASSAGES if name != "race_angle"]
@@ -110,7 +95,7 @@ class ReferencePassages(ReferenceSamples):
         return Tried(np.max(differences, axis=0), made.status, made.wrong_way, steps)
 
 
-class ReferenceMotions(ReferenceSamples):
+class ReferenceMotions(Samples):
     """Motions in time, as `simulate` follows them: some states of a disk at times of their own, group by group."""
 
     kind = "motions"
@@ -127,17 +112,19 @@ class ReferenceMotions(ReferenceSamples):
     @cached_property
     def exact(self) -> list[Trajectories]:
         """The motions by far finer steps."""
-        found: list[Trajectories] = self.finest()
-        return found
+        return self.call(self.plan("rk8", ANY_ERROR, _FINEST))
 
     @property
     def known(self) -> NDArray[np.bool_]:
+        """Samples whose true answer is known."""
         return np.concatenate([motion.ok for motion in self.exact])
 
     def call(self, how: Plan) -> list[Trajectories]:
+        """What users or scenes call, by a plan; this is what is timed."""
         return [trajectories_by(states, how, times, IN_TIME) for states, times in self.groups]
 
-    def compare(self, found: list[Trajectories], accuracy: float) -> Tried:
+    def compare(self, found: Any, accuracy: float) -> Tried:
+        """What `call` returned beside the true answers."""
         errors, turned = list[Array](), list[NDArray[np.bool_]]()
         for (states, _), made, exact in zip(self.groups, found, self.exact, strict=True):
             away = {name: abs(getattr(made, name) - getattr(exact, name)) for name in IN_TIME}
@@ -151,12 +138,10 @@ class ReferenceMotions(ReferenceSamples):
         return Tried(*map(np.concatenate, (errors, status, turned, steps)))
 
 
+ReferenceSamples: TypeAlias = ReferencePassages | ReferenceMotions
+
+
 def through_time(states: States, t_end: float | None) -> ReferenceMotions:
     """Motions from states of one disk up to `t_end`, by default about as long as a passage takes."""
     last = _PASSAGE * states.disk.time_unit if t_end is None else t_end
-    return ReferenceMotions([(states, even_times(last))])
-
-
-def even_times(t_end: float) -> Array:
-    """Times up to `t_end` at which motions are compared."""
-    return t_end * np.arange(1, _TIMES + 1) / _TIMES
+    return ReferenceMotions([(states, last * np.arange(1, _TIMES + 1) / _TIMES)])

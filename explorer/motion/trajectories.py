@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -27,7 +26,7 @@ from explorer.motion import recording
 from explorer.motion.integration import MAX_STEPS, InitialValues
 from explorer.motion.plan import Plan, plan
 from explorer.phase.disk import Disk
-from explorer.phase.results import status_names
+from explorer.phase.results import WithStatus
 from explorer.phase.states import Array, States, columns_of, require_states
 
 ALL = ("phi", "chi", "psi", "path", "contact")  # what simulate gives where nothing else is asked for
@@ -40,7 +39,7 @@ _COARSE = 0.5 * np.pi  # rad of chi between two times, beyond which a curve is n
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Trajectories:
+class Trajectories(WithStatus):
     """Motions in time, in the units of the disk: what `simulate` returns. Call it with times.
 
     An observable that was not asked for is None. A motion that failed, or falls, is NaN with its status.
@@ -112,16 +111,6 @@ class Trajectories:
     _start: InitialValues
     _records: recording.Records | None
     _jobs: int
-
-    @property
-    def ok(self) -> NDArray[np.bool_]:
-        """Which motions were followed to the accuracy asked."""
-        return np.asarray(self.status == compiled.status.Status.OK)
-
-    @property
-    def status_names(self) -> NDArray[np.str_]:
-        """The status of each motion as a word, such as 'ok' or 'falls'."""
-        return status_names(self.status)
 
     @property
     def observables(self) -> tuple[str, ...]:
@@ -198,11 +187,10 @@ class Trajectories:
         return replace(self, t=times.reshape(shape), **_observables(disk, at, self.observables), lengths=lengths)
 
     def __repr__(self) -> str:
-        counts = Counter(self.status_names.tolist())
         times = np.atleast_1d(self.t).shape[-1]
         return (
             f"Trajectories of {len(self):,} motion(s) to t = {self.t_end:g}, {times:,} time(s)\n"
-            f"  status: {', '.join(f'{name} {count:,}' for name, count in counts.items()) or 'no motions'}\n"
+            f"  status: {self._counted()}\n"
             f"  observables: {', '.join(self.observables)}"
         )
 

@@ -6,7 +6,6 @@ rotation about a fixed centre unless chi(tau) is a multiple of 2 pi (Borisov, Ma
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError, number, shown, whole
 from explorer.motion.periods import periods
-from explorer.motion.trajectories import Trajectories, trajectories
+from explorer.motion.trajectories import trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, columns_of, constants_to_states, require_states
 
@@ -239,21 +238,10 @@ def wander_path(states: States, count: int) -> WanderPath:
     each = wander(states)
     if each.status[0] != compiled.status.Status.OK:
         raise InputError(f"states: no period, or no path. {compiled.status.Status(int(each.status[0])).sentence}")
-    period = float(each.period[0])
-    course = _followed(states, t_end=period, observables=("chi",))
-    within = course.t[0, :-1]
-    t = np.append((period * np.arange(count)[:, None] + within).ravel(), count * period)
-    if not (np.isfinite(t).all() and (np.diff(t) > 0.0).all()):
-        raise InputError(f"states: points of the path cannot be told apart within a period of {period:.3g}")
-    motion = _followed(states, t_eval=t, observables=("path", "contact"))
-    assert motion.path is not None
-    assert motion.contact is not None
-    return WanderPath(states.disk, t, motion.contact[0, :, :2], motion.path[0, :, :2], each, count)
-
-
-def _followed(states: States, **asked: Any) -> Trajectories:
-    """One motion, followed to its end. Raises InputError where it cannot be."""
-    motion = trajectories(states, accuracy=_ACCURACY, **asked)
+    end = count * float(each.period[0])
+    motion = trajectories(states, t_end=end, observables=("path", "contact"), accuracy=_ACCURACY)
     if motion.status[0] != compiled.status.Status.OK:
         raise InputError(f"states: no path. {compiled.status.Status(int(motion.status[0])).sentence}")
-    return motion
+    assert motion.path is not None
+    assert motion.contact is not None
+    return WanderPath(states.disk, motion.t[0], motion.contact[0, :, :2], motion.path[0, :, :2], each, count)

@@ -7,11 +7,10 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion.plan import Plan
-from explorer.motion.reference_samples import ReferenceSamples, Tried
+from explorer.motion.reference_samples import ReferenceSamples
 
 STAGES = {"rk4": 4, "rk8": 12, "dopri5": 7, "dop853": 12}
 # What all methods are asked for, and quadrature at its best besides.
@@ -86,13 +85,10 @@ class Measured:
     rows: list[Row]
 
 
-Call = Callable[[], Any]
-
-
 def measure(samples: ReferenceSamples, say: Callable[[str], None] = lambda text: None) -> Measured:
     """Every method at every accuracy on samples."""
     count, known = samples.known.size, int(samples.known.sum())
-    rows = list[tuple[Row, Call]]()
+    rows = list[tuple[Row, Callable[[], Any]]]()
     for method in ("quadrature", *STAGES):
         if method == "quadrature" and samples.in_time:
             continue
@@ -105,7 +101,7 @@ def measure(samples: ReferenceSamples, say: Callable[[str], None] = lambda text:
     return Measured(samples.kind, samples.unit, samples.error, count, known, mark_front(timed))
 
 
-def _least_times(calls: list[Call]) -> list[float]:
+def _least_times(calls: list[Callable[[], Any]]) -> list[float]:
     """The least time of each, one after the other, in rounds: what disturbs a machine for a while disturbs all."""
     times: list[list[float]] = [[] for _ in calls]
     for _ in range(_ROUNDS):
@@ -117,11 +113,12 @@ def _least_times(calls: list[Call]) -> list[float]:
     return list(map(min, times))
 
 
-def _row(samples: ReferenceSamples, how: Plan) -> tuple[Row, Call]:
+def _row(samples: ReferenceSamples, how: Plan) -> tuple[Row, Callable[[], Any]]:
     """A plan: its errors, what becomes of the samples, and the call that is timed."""
     call, known, code = partial(samples.call, how), samples.known, compiled.status.Status
     tried = samples.compare(call(), how.accuracy)
-    median, p99, largest = _quantiles(tried, known)
+    errors = tried.errors[known & np.isfinite(tried.errors)]
+    median, p99, largest = np.percentile(errors, (50, 99, 100)).tolist() if errors.size else 3 * [np.nan]
     unresolved = tried.status[known] == code.UNRESOLVED_SIDE
     steps = 0.0 if tried.steps is None else float(tried.steps[known].mean())
     row = Row(
@@ -138,16 +135,6 @@ def _row(samples: ReferenceSamples, how: Plan) -> tuple[Row, Call]:
         wrong_way=int((tried.wrong_way & known & (tried.status == code.OK)).sum()),
     )
     return row, call
-
-
-def _quantiles(tried: Tried, known: NDArray[np.bool_]) -> tuple[float, float, float]:
-    """Median, 99th percentile and largest error of the samples that have one; NaN where none has."""
-    errors = tried.errors[known]
-    errors = errors[np.isfinite(errors)]
-    if errors.size == 0:
-        return np.nan, np.nan, np.nan
-    median, p99 = np.percentile(errors, (50, 99))
-    return float(median), float(p99), float(errors.max())
 
 
 def mark_front(rows: list[Row]) -> list[Row]:

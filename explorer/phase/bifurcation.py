@@ -20,7 +20,7 @@ from explorer.errors import one_of
 from explorer.phase.constants import constants_of
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import well
-from explorer.phase.potential import DEGENERATE, Potential, at_constants, on_line
+from explorer.phase.potential import DEGENERATE, Potential, potential
 from explorer.phase.states import Array, columns_of
 from explorer.phase.steady import circular_rolling, steady_motions
 
@@ -35,17 +35,13 @@ def stability_edges(disk: Disk, phi: ArrayLike) -> Array:
     """
     require_axial_inertia(disk)
     (angle,) = columns_of(phi=phi)
-    two, one, none = _edge_equation(disk, angle)
+    b, q, z = disk.body, np.cos(angle), np.sin(angle)
+    # Coefficients of the quadratic, highest power first.
+    two = b.M * q * q + z * z * b.I1 * (2.0 - b.I3 / b.J)
+    one, none = z * z / q - q, b.k * z * z / (b.J * q * q)
     with np.errstate(invalid="ignore"):
         larger = np.where(one < 0.0, np.sqrt(one * one - 4.0 * two * none) - one, np.nan) / (2.0 * two)
         return np.sqrt(np.stack([larger, none / (two * larger)])) * disk.rate_unit
-
-
-def _edge_equation(disk: Disk, phi: Array) -> tuple[Array, Array, Array]:
-    """Coefficients of V'' = 0 as a quadratic in the square of the precession, highest power first."""
-    b, q, z = disk.body, np.cos(phi), np.sin(phi)
-    two = b.M * q * q + z * z * b.I1 * (2.0 - b.I3 / b.J)
-    return two, z * z / q - q, b.k * z * z / (b.J * q * q)
 
 
 def last_unstable_tilt(disk: Disk) -> float:
@@ -131,9 +127,9 @@ class Branch:
 
 # The path's potential at a value of its parameter.
 PATHS: dict[str, Callable[[Disk, float], Potential]] = {
-    "spinning": lambda disk, sigma3_bar: at_constants(disk, sigma3_bar, 0.0),
-    "rolling": lambda disk, sigma4_bar: at_constants(disk, 0.0, sigma4_bar),
-    "line": on_line,
+    "spinning": lambda disk, sigma3_bar: potential(disk, sigma3_bar, sigma4_bar=0.0),
+    "rolling": lambda disk, sigma4_bar: potential(disk, 0.0, sigma4_bar=sigma4_bar),
+    "line": potential,
 }
 
 

@@ -7,7 +7,7 @@ import re
 import sys
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -46,30 +46,6 @@ SYNTAX = (
 # I3 may exceed 2 I1 by rounding of doubles.
 _ROUNDING = 1e-12
 LARGEST_RATE = 1e150  # natural units: squares of rates overflow beyond
-
-
-class Description(dict[str, float | str]):
-    """Name, mass, radius, gravity and moments of a disk; a dict that is printed with units."""
-
-    def __init__(self, disk: Disk) -> None:
-        super().__init__(name=disk.name, m=disk.m, r=disk.r, g=disk.g, I1=disk.I1, I3=disk.I3)
-        units = {"m": "kg", "r": "m", "g": "m/s^2", "I1": "kg m^2", "I3": "kg m^2"}
-        race = f"kappa = {disk.kappa:g}, limit of race angles kappa pi = {disk.race_limit:g} rad"
-        if disk.m == disk.r == disk.g == 1.0:
-            moments = [f"{name} = {self[name]:g}" for name in ("I1", "I3")]
-            self._lines = [f"{disk.name}, in natural units: m = r = g = 1", *moments, race]
-            return
-        self._lines = [
-            f"{disk.name}, in SI units if the numbers are",
-            *(f"{name} = {self[name]:g} {unit}" for name, unit in units.items()),
-            f"unit of time sqrt(r/g) = {disk.time_unit:g} s",
-            f"unit of rates sqrt(g/r) = {disk.rate_unit:g} rad/s",
-            f"unit of energy m g r = {disk.energy_unit:g} J",
-            race,
-        ]
-
-    def __repr__(self) -> str:
-        return "\n  ".join(self._lines)
 
 
 @dataclass(frozen=True, init=False)
@@ -378,30 +354,16 @@ class Disk:
             for orders in (make.COARSE, make.FINE)
         )
 
-    def describe(self) -> Description:
-        """The disk as run.json and summary.json show it; printed, with units and with what follows from it.
-
-        Returns
-        -------
-        Description
-            A dict of name, m, r, g, I1, I3, which `Disk(**...)` takes back.
+    def describe(self) -> dict[str, float | str]:
+        """Name, mass, radius, gravity and moments, as run.json shows them and `Disk(**...)` takes them.
 
         Examples
         --------
         >>> import explorer as ex
-        >>> ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81).describe()
-        uniform, in SI units if the numbers are
-          m = 0.00567 kg
-          r = 0.0121 m
-          g = 9.81 m/s^2
-          I1 = 2.07536e-07 kg m^2
-          I3 = 4.15072e-07 kg m^2
-          unit of time sqrt(r/g) = 0.0351203 s
-          unit of rates sqrt(g/r) = 28.4736 rad/s
-          unit of energy m g r = 0.000673035 J
-          kappa = 2.23607, limit of race angles kappa pi = 7.02481 rad
+        >>> ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81).describe()["I1"]
+        2.0753617500000003e-07
         """
-        return Description(self)
+        return asdict(self)
 
 
 def _is_flat(I3: Any) -> bool:

@@ -9,18 +9,19 @@ the logarithm of the tilt near flat, so that a wall at eta_hat = 1e-100 is as fa
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from explorer.errors import InputError, number, shown, sign
 from explorer.phase.arguments import column, read_range
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope, nearer_plus, other_eta_hat
-from explorer.phase.roots import changes_of_sign
+from explorer.phase.roots import changes_of_sign, roots_among
 from explorer.phase.states import Array
 
 _STEP = 0.02  # of y, in which V is smooth on the scale 1: no two zeros of V'' share a step
@@ -137,9 +138,6 @@ class Potential:
     eta: float
     face: int = 1
 
-    def __post_init__(self) -> None:
-        require_axial_inertia(self.disk)
-
     def __repr__(self) -> str:
         constants = f"sigma3_bar = {self.sigma3_bar:g}, eta_hat = {self.eta_hat:g}"
         return f"Potential of the disk {self.disk.name}: {constants} from the line of face {self.face}"
@@ -226,28 +224,26 @@ class Potential:
         """All steady motions at these constants, from phi = -pi/2 to pi/2: every root of V'."""
         left, right = (math.ceil(self.outermost(face) / _STEP) for face in (-1, 1))
         y = _STEP * np.arange(-left, right + 1, dtype=np.float64)
-        i = _changes(self.at_y(y).curvature)
-        bends = self._roots("curvature", y[i], y[i + 1])
+        bends = roots_among(self._term("curvature"), y)
         # Between zeros of V'' the slope is monotonic: a pair of close roots cannot hide between points.
         y = np.union1d(y, bends)
         _, slope, _, size, _ = self.at_y(y)
-        i = _changes(slope)
         touches = np.isin(y, bends) & (abs(slope) <= 2.0 * _EPS * size)
-        roots = np.union1d(self._roots("slope", y[i], y[i + 1]), y[(slope == 0.0) | touches])
+        roots = np.union1d(roots_among(self._term("slope"), y), y[(slope == 0.0) | touches])
         apart: list[Equilibrium] = []
         for equilibrium in map(self._equilibrium, roots.tolist()):
             if not apart or equilibrium.y - apart[-1].y > 4.0 * _EPS * max(1.0, abs(equilibrium.y)):
                 apart.append(equilibrium)
         return tuple(apart)
 
-    def _roots(self, term: str, low: Array, high: Array, value: float = 0.0) -> Array:
-        """y at which a term has this value, between brackets."""
+    def _term(self, name: str, value: float = 0.0) -> Callable[[Array], Array]:
+        """A term, less a value, as a function of y."""
 
         def excess(y: Array) -> Array:
-            above: Array = getattr(self.at_y(y), term).reshape(y.shape) - value
+            above: Array = getattr(self.at_y(y), name).reshape(y.shape) - value
             return above
 
-        return changes_of_sign(excess, low, high)
+        return excess
 
     def _equilibrium(self, y: float) -> Equilibrium:
         V, slope, curved, size, _ = (float(values[0]) for values in self.at_y(y))
@@ -307,7 +303,7 @@ class Potential:
             low -= 1.0
         while i == y.size - 2 and V[-1] == math.inf and self.at_y(high).V[0] < E:
             high += 1.0
-        return float(self._roots("V", np.array([low]), np.array([high]), E)[0])
+        return float(changes_of_sign(self._term("V", E), np.array([low]), np.array([high]))[0])
 
     def curve(self, component: Component) -> tuple[Array, Array]:
         """phi and phidot >= 0 along a piece of a level; -phidot is its other half. rad, units of the disk."""
@@ -359,24 +355,6 @@ class Potential:
         return np.asarray(edge[np.searchsorted(every, y)])
 
 
-def on_line(disk: Disk, sigma3_bar: float, eta_hat: float = 0.0, face: int = 1) -> Potential:
-    """V at a distance eta_hat from the line of `face`."""
-    require_axial_inertia(disk)
-    bar, eta = _constant("sigma3_bar", sigma3_bar), _constant("eta_hat", eta_hat)
-    return Potential(disk, bar / disk.rate_unit, eta / disk.rate_unit, sign("face", face))
-
-
-def at_constants(disk: Disk, sigma3_bar: float, sigma4_bar: float) -> Potential:
-    """V at constants of motion, seen from the nearer line; what is on a line to rounding counts as on it."""
-    require_axial_inertia(disk)
-    bar = _constant("sigma3_bar", sigma3_bar) / disk.rate_unit
-    spin = _constant("sigma4_bar", sigma4_bar) / disk.rate_unit
-    slope = line_slope(disk)
-    face = 1 if nearer_plus(np.array(slope * bar - spin), np.array(slope * bar + spin)) else -1
-    eta = slope * bar - face * spin
-    return Potential(disk, bar, 0.0 if abs(eta) <= 4.0 * _EPS * abs(spin) else eta, face)
-
-
 def potential(
     disk: Disk, sigma3_bar: float, eta_hat: float | None = None, face: int = 1, sigma4_bar: float | None = None
 ) -> Potential:
@@ -420,11 +398,17 @@ def potential(
     >>> [(at.kind, round(at.phi, 6)) for at in upright.equilibria]
     [('centre', 0.0)]
     """
+    require_axial_inertia(disk)
+    bar = _constant("sigma3_bar", sigma3_bar) / disk.rate_unit
     if sigma4_bar is None:
-        return on_line(disk, sigma3_bar, 0.0 if eta_hat is None else eta_hat, face)
+        eta = 0.0 if eta_hat is None else _constant("eta_hat", eta_hat)
+        return Potential(disk, bar, eta / disk.rate_unit, sign("face", face))
     if eta_hat is not None:
         raise InputError("eta_hat and sigma4_bar say the same; leave out one")
-    return at_constants(disk, sigma3_bar, sigma4_bar)
+    spin, slope = _constant("sigma4_bar", sigma4_bar) / disk.rate_unit, line_slope(disk)
+    nearer = 1 if nearer_plus(np.array(slope * bar - spin), np.array(slope * bar + spin)) else -1
+    eta = slope * bar - nearer * spin
+    return Potential(disk, bar, 0.0 if abs(eta) <= 4.0 * _EPS * abs(spin) else eta, nearer)
 
 
 def _constant(name: str, value: float) -> float:
@@ -433,9 +417,3 @@ def _constant(name: str, value: float) -> float:
 
 def _phi(y: float, end: str = TURNING) -> float:
     return math.copysign(0.5 * math.pi, y) if end == FLAT else math.atan(math.sinh(y))
-
-
-def _changes(values: Array) -> NDArray[np.intp]:
-    """Places before which and after which the sign differs; exact zeros are none."""
-    sign = np.sign(values)
-    return np.flatnonzero(sign[:-1] * sign[1:] < 0.0)

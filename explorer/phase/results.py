@@ -19,13 +19,32 @@ if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
 
-    from explorer.phase.states import States
-
 Status = compiled.status.Status
 _SHOWN = 6  # columns whose medians the description gives: what fits on a screen beside code
 _COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
 _SIDED = ("race_angle", "delta_chi", "delta_psi")  # whose medians are told for each side of F
 _AXES = {3: "xyz"}  # what the entries of a vector are called; others are counted
+
+
+class WithStatus:
+    """Base class of what has a status for each sample."""
+
+    status: NDArray[np.int8]
+
+    @property
+    def ok(self) -> NDArray[np.bool_]:
+        """Which samples were computed to the accuracy asked."""
+        return np.asarray(self.status == Status.OK)
+
+    @property
+    def status_names(self) -> NDArray[np.str_]:
+        """The status of each sample as a word, such as 'ok' or 'falls'."""
+        return status_names(self.status)
+
+    def _counted(self) -> str:
+        """How many samples have each status, in words."""
+        counts = Counter(self.status_names.ravel().tolist())
+        return ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "none"
 
 
 class Table:
@@ -58,7 +77,7 @@ class Table:
         """All arrays by name, the arguments first."""
         return self._arrays()
 
-    def _chosen(self, rows: Any) -> "tuple[dict[str, NDArray[Any]], States | None]":
+    def _chosen(self, rows: Any) -> tuple[dict[str, NDArray[Any]], Any]:
         """Arrays of some samples, chosen as entries of an array of this shape are, and the states of these."""
         places = np.atleast_1d(np.arange(self.size).reshape(self.shape)[rows])
         flat = {name: v.reshape(self.size, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
@@ -142,15 +161,13 @@ class Table:
 R = TypeVar("R", bound="Result")
 
 
-class Result(Table):
+class Result(WithStatus, Table):
     """Base class of results: a dataclass with one array for each column, all of one shape, `status` among them.
 
     The arrays have the shape to which the arguments broadcast, where plain numbers count as an array of one
     entry, and the arguments are columns too: own ones, or those of `states` where the result has that. What else
     a result knows, the method for instance, are plain fields.
     """
-
-    status: NDArray[np.int8]
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -163,11 +180,6 @@ class Result(Table):
         if states is None:
             return replace(self, **arrays)  # type: ignore[type-var]
         return replace(self, **arrays, states=states)  # type: ignore[type-var]
-
-    @property
-    def ok(self) -> NDArray[np.bool_]:
-        """Where the sample was computed to the accuracy asked."""
-        return np.asarray(self.status == Status.OK)
 
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
@@ -186,11 +198,6 @@ class Result(Table):
         shape = getattr(self, "states", self).shape
         more = (1,) * (len(self.shape) - len(shape))
         return np.broadcast_to(values.reshape(*shape, *more), self.shape)
-
-    @property
-    def status_names(self) -> NDArray[np.str_]:
-        """The status of each sample as a word, such as 'ok' or 'falls'."""
-        return status_names(self.status)
 
     def reshaped(self, shape: tuple[int, ...]) -> Self:
         """The same result with arrays of another shape."""
@@ -217,12 +224,10 @@ class Result(Table):
 
     def _lines(self) -> list[tuple[str, str]]:
         """What the description says: counts of statuses, their remedies, and medians of samples that are ok."""
-        counts = Counter(self.status_names.ravel().tolist())
-        numbers = super()._lines()
-        of = f" (numbers below: of the {counts['ok']:,} ok)" if numbers and len(counts) > 1 else ""
-        said = ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "no samples"
-        remedies = [(name, Status.__members__[name.upper()].remedy) for name in counts if name != "ok"]
-        return [("status", said + of), *remedies, *numbers]
+        codes, numbers = [Status(code) for code in np.unique(self.status).tolist()], super()._lines()
+        of = f" (numbers below: of the {self.ok.sum():,} ok)" if numbers and len(codes) > 1 else ""
+        remedies = [(code.name.lower(), code.remedy) for code in codes if code != Status.OK]
+        return [("status", self._counted() + of), *remedies, *numbers]
 
 
 def joined(parts: Sequence[R]) -> R:
@@ -288,8 +293,7 @@ def _arrow_array(values: NDArray[Any]) -> "pa.Array":
 
     flat = np.ascontiguousarray(values.ravel())
     if flat.dtype.kind == "b":
-        bits = np.packbits(flat, bitorder="little")
-        return pa.Array.from_buffers(pa.bool_(), flat.size, [None, pa.py_buffer(bits)])
+        return _arrow_array(flat.view(np.uint8)).cast(pa.bool_())
     if flat.dtype.kind in "iuf" and flat.dtype.isnative:
         return pa.Array.from_buffers(pa.from_numpy_dtype(flat.dtype), flat.size, [None, pa.py_buffer(flat)])
     return pa.array(flat)

@@ -28,3 +28,10 @@ def changes_of_sign(function: Callable[[Array], Array], low: Array, high: Array)
         last = np.logical_and.accumulate(same).sum(axis=0)[None]
         low, high = (np.take_along_axis(places, last + i, 0)[0] for i in (0, 1))
     return high
+
+
+def roots_among(function: Callable[[Array], Array], places: Array) -> Array:
+    """Where a function changes its sign between two neighbours of increasing places; exact zeros are none."""
+    sign = np.sign(function(places))
+    i = np.flatnonzero(sign[:-1] * sign[1:] < 0.0)
+    return changes_of_sign(function, places[i], places[i + 1])

@@ -20,6 +20,7 @@ from explorer.phase.arguments import read_columns
 from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
 from explorer.phase.disk import Array as Array
 from explorer.phase.lines import Motion, line_slope, motion_given, motion_through, rows_of
+from explorer.phase.results import WithStatus
 
 # Also where the user has set numpy to raise.
 _UNDERFLOW_IS_ZERO = np.errstate(under="ignore")
@@ -51,7 +52,7 @@ class Rows(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class States:
+class States(WithStatus):
     """States of one disk, as the kernels take them: what `phi_to_states` and similar functions return.
 
     Attributes
@@ -98,12 +99,9 @@ class States:
 
     def __repr__(self) -> str:
         shape = f" ({' x '.join(map(str, self.shape))})" if len(self.shape) > 1 else ""
-        codes, counts = np.unique(self.status, return_counts=True)
-        names = (compiled.status.Status(code).name.lower() for code in codes.tolist())
-        found = ", ".join(f"{name} {count:,}" for name, count in zip(names, counts.tolist(), strict=True))
-        tilt = np.degrees(np.arctan2(self.rows.q, abs(self.rows.z))[self.status == compiled.status.Status.OK])
+        tilt = np.degrees(np.arctan2(self.rows.q, abs(self.rows.z))[self.ok])
         tilts = f"; tilts {tilt.min():.3g} to {tilt.max():.3g} degrees" if tilt.size else ""
-        return f"States of {len(self):,}{shape} of the disk {self.disk.name}: {found or 'none'}{tilts}"
+        return f"States of {len(self):,}{shape} of the disk {self.disk.name}: {self._counted()}{tilts}"
 
     def __len__(self) -> int:
         return int(self.natural.shape[1])

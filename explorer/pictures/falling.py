@@ -7,12 +7,11 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
 from explorer.errors import InputError
-from explorer.measure.slices import ConstantsPlane, flattest_per_cell
+from explorer.measure.slices import ConstantsPlane
 from explorer.measure.statistics import poisson_interval
 from explorer.measure.tallies import LogHistogram
 from explorer.phase.arguments import column
 from explorer.phase.lines import line_slope
-from explorer.phase.states import States
 from explorer.pictures.register import Question, picture
 from explorer.pictures.slices import colour_tilt
 from explorer.pictures.style import ACCENT, LAW, TEXT, dress, label, legend_below
@@ -26,13 +25,11 @@ _FEWEST = 100  # samples that a guide of slope one is drawn through
     "lines through the origin come flat; the exact lines are drawn only near the edges, so that they do not hide "
     "the ridges of samples. A cell with more samples finds flatter ones.",
 )
-def constants_plane(ax: Axes, samples: States | ConstantsPlane, cells: int = 100, method: str = "auto") -> None:
-    """Draw the flattest motion among states in each cell of the plane of constants, and both lines l_+-.
+def constants_plane(ax: Axes, plane: ConstantsPlane) -> None:
+    """Draw the flattest motion in each cell of the plane of constants, and both lines l_+-.
 
-    cells: how many along a side of the plane, which holds 99.5 % of the states in each direction. method: as for
-    `explorer.passages`.
+    plane: of a run of scene falling-set, also of states of your own.
     """
-    plane = samples if isinstance(samples, ConstantsPlane) else flattest_per_cell(samples, cells, method)
     colour_tilt(ax, plane.sigma3_edges, plane.sigma4_edges, plane.smallest, plane.method)
     (left, right), (low, high) = plane.sigma3_edges[[0, -1]], plane.sigma4_edges[[0, -1]]
     ax.set(xlim=(left, right), ylim=(low, high), aspect="equal")

@@ -1,6 +1,7 @@
 """Phase portraits of the tilt, alone and on both sides of F, and the amended potential that makes them."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from explorer.errors import InputError
-from explorer.phase.potential import CENTRE, SADDLE, Component, Potential, on_line
+from explorer.phase.potential import CENTRE, SADDLE, Component, Potential
 from explorer.phase.states import Array
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import (
@@ -201,9 +202,8 @@ def portrait_of_sides(figure: Figure, potential: Potential, energies: tuple[floa
             "picture portrait-of-sides: the potential is on F itself; give one with an eta_hat beside it"
         )
     tilt, race = figure.subplots(1, 2, sharey=True)
-    eta_hat = abs(potential.eta_hat)
     for side in (1, -1):
-        each = on_line(potential.disk, potential.sigma3_bar, side * eta_hat, potential.face)
+        each = replace(potential, eta=side * abs(potential.eta))
         _one_side(tilt, race, each, each.levels(energies, _LEVELS_OF_SIDES))
         tilt.lines[-1].set_label(rf"$\hat\eta$ = {number(each.eta_hat, '.4g')}")
     for face in (-1, 1):
@@ -251,8 +251,7 @@ def _curves(places: dict[str, Potential]) -> list[tuple[str, tuple[Any, ...]]]:
     every = wide = [*places.values()]
     if not {"given", "beside"} & set(places):
         on = places["on"]
-        sizes = [sign * size * on.disk.rate_unit for size in _NEAR for sign in (1.0, -1.0)]
-        every = [on, *(on_line(on.disk, on.sigma3_bar, eta_hat) for eta_hat in sizes)]
+        every = [on, *(replace(on, eta=sign * size) for size in _NEAR for sign in (1.0, -1.0))]
         wide = [
             each for each in every if abs(each.eta) in (0.0, _NEAR[-1])
         ]  # on the axis of phi the others are one

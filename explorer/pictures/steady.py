@@ -18,7 +18,7 @@ from explorer.phase.bifurcation import (
 from explorer.phase.disk import Disk
 from explorer.phase.falling_set import well
 from explorer.phase.lines import line_slope
-from explorer.phase.potential import at_constants
+from explorer.phase.potential import potential
 from explorer.phase.steady import circular_rolling, steady_motions
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import (
@@ -61,7 +61,7 @@ def steady_plane(ax: Axes, disk: Disk) -> None:
     line: dict[str, Any] = {"arrowstyle": "-", "color": DARK, "lw": 0.8}
     for share, away in ((-0.6, 0.6), (-1.65, 0.0)):
         at = share * spin, 1e-3 * disk.rate_unit
-        count = len(at_constants(disk, *at).equilibria)
+        count = len(potential(disk, at[0], sigma4_bar=at[1]).equilibria)
         words = f"{count} steady\nmotion{'s' if count > 1 else ''}"
         to = (-1.6 * spin, away * height) if away else at
         ax.annotate(words, at, to, ha="center", va="center", fontsize=SMALL, arrowprops=line if away else None)

@@ -15,7 +15,8 @@ from explorer.measure.tallies import ByName
 from explorer.phase.bifurcation import thresholds
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.falling_set import well
-from explorer.phase.potential import Component, Potential, at_constants, on_line
+from explorer.phase.potential import Component, Potential
+from explorer.phase.potential import potential as potential_at
 from explorer.scenes.options import NUMBER, RANGE, option
 from explorer.scenes.scene import Counts, Picture, Scene, Table, joined
 
@@ -76,13 +77,13 @@ class Portrait(Scene):
         """The potentials whose portraits are drawn, by name."""
         disk = self.disk
         if self.sigma4_bar is not None:
-            return {"given": at_constants(disk, self.bar, self.sigma4_bar)}
-        line = {"on": on_line(disk, self.bar)}
+            return {"given": potential_at(disk, self.bar, sigma4_bar=self.sigma4_bar)}
+        line = {"on": potential_at(disk, self.bar)}
         if self.eta_hat is not None:
-            return line | ({"beside": on_line(disk, self.bar, self.eta_hat)} if self.eta_hat else {})
+            return line | ({"beside": potential_at(disk, self.bar, self.eta_hat)} if self.eta_hat else {})
         # For bodies whose wells have a small sigma3_bar, that much nearer to the line.
         size = BESIDE / SIGMA3_BAR * min(abs(self.bar), SIGMA3_BAR * disk.rate_unit) or BESIDE * disk.rate_unit
-        return line | {"plus": on_line(disk, self.bar, size), "minus": on_line(disk, self.bar, -size)}
+        return line | {"plus": potential_at(disk, self.bar, size), "minus": potential_at(disk, self.bar, -size)}
 
     @property
     def chunks(self) -> int:

@@ -5,9 +5,7 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.measure.slices import Slice, flattest_per_cell, slice_map
-from explorer.motion.plan import plan
-from explorer.motion.turning_points import smallest_tilt
+from explorer.measure.slices import Slice, slice_map
 
 UNIFORM, HOOP = BODIES["uniform"], BODIES["hoop"]
 
@@ -121,23 +119,6 @@ def test_a_map_is_a_table_with_its_axes():
     assert (frame["phidot"] == 1.0).all()
 
 
-def test_each_cell_of_the_plane_has_its_flattest_motion():
-    """One state at a time; tilts by integration, where the plane has them by quadrature."""
-    states = ex.phi_to_states(UNIFORM, 0.0, *np.random.default_rng(4).uniform(-1.0, 1.0, (3, 60)))
-    plane, wanted = flattest_per_cell(states, 4), np.full((4, 4), np.inf)
-    tilts = smallest_tilt(states, plan(("theta_min",), 1e-7, "rk8"))[0]
-    for each, tilt in enumerate(tilts):
-        bars = ex.constants(states.at([each]))
-        columns = [
-            sum(edge <= bar[0] for edge in edges) - 1
-            for bar, edges in ((bars.sigma3_bar, plane.sigma3_edges), (bars.sigma4_bar, plane.sigma4_edges))
-        ]
-        if all(0 <= column < 4 for column in columns):
-            wanted[columns[1], columns[0]] = min(wanted[columns[1], columns[0]], tilt)
-    assert np.isfinite(wanted).sum() > 12
-    np.testing.assert_allclose(plane.smallest, np.where(np.isinf(wanted), np.nan, wanted), rtol=1e-6)
-
-
 @pytest.mark.parametrize(
     ("plane", "message"),
     [
@@ -153,20 +134,3 @@ def test_each_cell_of_the_plane_has_its_flattest_motion():
 def test_what_is_no_plane_is_refused_in_words(plane, message):
     with pytest.raises(ex.InputError, match=message):
         ex.slice_map(UNIFORM, plane)
-
-
-def test_a_disk_without_axial_inertia_has_no_plane_of_constants():
-    needle = ex.phi_to_states(ex.Disk(I1=0.3, I3=0.0), 0.1, 0.0, 1.0, 1.0)
-    with pytest.raises(ex.InputError, match="I3 = 0 has no eta_hat"):
-        flattest_per_cell(needle)
-
-
-@pytest.mark.parametrize("method", ["quadrature", "dop853"])
-def test_flattest_motions_keep_the_constants_that_were_given(method):
-    """In the states themselves so small an eta_hat is lost. The third one only makes the plane wide enough."""
-    states = ex.constants_to_states(ex.Disk.uniform(), [1.0, -0.9, 1.5], [1e-30, -1e-40, 0.1], 1.0)
-    plane = flattest_per_cell(states, 4, method)
-    found = np.sort(plane.smallest[np.isfinite(plane.smallest)])
-    expected = np.sort(ex.bounces(states[:2], 1).theta_min[:, 0])
-    assert (expected < 1e-29).all()
-    np.testing.assert_allclose(found, expected, rtol=1e-3)

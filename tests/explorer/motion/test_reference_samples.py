@@ -11,7 +11,6 @@ from explorer.motion.reference_samples import (
     IN_TIME,
     ReferenceMotions,
     ReferencePassages,
-    even_times,
     through_time,
 )
 from explorer.motion.trajectories import trajectories
@@ -62,7 +61,7 @@ def test_motions_are_those_of_the_public_call(start):
     states = constants_to_states(DISK, *start)
     samples = through_time(states, 2.0)
     (found,) = samples.call(samples.plan("dopri5", 1e-6))
-    called = trajectories(states, t_eval=even_times(2.0), observables=IN_TIME, method="dopri5", accuracy=1e-6)
+    called = trajectories(states, t_eval=samples.groups[0][1], observables=IN_TIME, method="dopri5", accuracy=1e-6)
     assert np.array_equal(found.chi, called.chi)
     assert np.array_equal(found.path, called.path)
 

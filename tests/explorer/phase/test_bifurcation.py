@@ -18,7 +18,7 @@ from explorer.phase.bifurcation import (
     whole_path,
 )
 from explorer.phase.falling_set import well
-from explorer.phase.potential import CENTRE, SADDLE, at_constants
+from explorer.phase.potential import CENTRE, SADDLE
 
 UNIFORM = BODIES["uniform"]
 
@@ -27,7 +27,7 @@ def steady(disk, phi, precession):
     """The steady motion at a tilt from the vertical, its constants and its potential."""
     motion = ex.steady_motions(disk, 0.5 * np.pi - abs(phi), precession, face=np.sign(phi))
     found = ex.constants(motion.states)
-    return motion, found, at_constants(disk, found.sigma3_bar[0], found.sigma4_bar[0])
+    return motion, found, ex.potential(disk, found.sigma3_bar[0], sigma4_bar=found.sigma4_bar[0])
 
 
 def test_closed_forms_of_the_thresholds_are_those_of_v(body):
@@ -35,8 +35,8 @@ def test_closed_forms_of_the_thresholds_are_those_of_v(body):
     roll, spin = rolling_threshold(body), spinning_threshold(body)
     for side in (-1.0, 1.0):
         for upright in (
-            at_constants(body, 0.0, roll * (1.0 + side * 1e-9)),
-            at_constants(body, spin * (1.0 + side * 1e-9), 0.0),
+            ex.potential(body, 0.0, sigma4_bar=roll * (1.0 + side * 1e-9)),
+            ex.potential(body, spin * (1.0 + side * 1e-9), sigma4_bar=0.0),
         ):
             assert np.sign(upright.d2V(0.0)) == side
     for lean, radius in ((0.1, 5.0), (0.7, 1.0), (1.4, 2.0)):
@@ -108,7 +108,7 @@ def test_the_fold_parts_one_steady_motion_from_three():
     assert abs(x).max() == pytest.approx(spinning_threshold(UNIFORM), rel=1e-3)
     assert abs(y).max() == pytest.approx(rolling_threshold(UNIFORM), rel=1e-3)
     for i in range(5, x.size, 157):
-        inside, outside = (at_constants(UNIFORM, s * x[i], s * y[i]).equilibria for s in (0.99, 1.01))
+        inside, outside = (ex.potential(UNIFORM, s * x[i], sigma4_bar=s * y[i]).equilibria for s in (0.99, 1.01))
         assert (len(inside), len(outside)) == (3, 1)
 
 

@@ -8,7 +8,7 @@ from conftest import BODIES
 
 import explorer as ex
 from explorer.phase.falling_set import impact_speed, well
-from explorer.phase.potential import CENTRE, FLAT, SADDLE, TURNING, Potential, Terms, at_constants, on_line
+from explorer.phase.potential import CENTRE, FLAT, SADDLE, TURNING, Potential, Terms
 
 UNIFORM, HOOP, COIN = BODIES["uniform"], BODIES["hoop"], BODIES["coin"]
 # Natural units: sigma3_bar, eta_hat, side. On the lines, beside them, far away, and the upright cases.
@@ -75,17 +75,17 @@ def test_equilibria_solve_v_prime_and_none_is_missed(body, row):
 
 def test_two_equilibria_much_closer_than_the_grid_are_both_found():
     angle, most = well(UNIFORM)
-    close = on_line(UNIFORM, most * (1.0 - 1e-9)).equilibria
+    close = ex.potential(UNIFORM, most * (1.0 - 1e-9)).equilibria
     assert [at.kind for at in close] == [CENTRE, SADDLE]
     assert abs(close[1].phi - close[0].phi) < 1e-3
     assert close[0].phi < angle < close[1].phi
-    assert on_line(UNIFORM, most * (1.0 + 1e-9)).equilibria == ()
+    assert ex.potential(UNIFORM, most * (1.0 + 1e-9)).equilibria == ()
 
 
 @pytest.mark.parametrize("eta", [1e-3, 1e-6, 1e-12, 1e-30, 1e-100])
 def test_the_equilibrium_near_flat_follows_its_law(eta):
     """theta_0 = (eta^2/(I1 m g r))^(1/3) as eta -> 0, statement 30."""
-    near = on_line(UNIFORM, 0.25, eta).equilibria[-1]
+    near = ex.potential(UNIFORM, 0.25, eta).equilibria[-1]
     b = UNIFORM.body
     law = ((b.I3 * b.r0 * eta) ** 2 / b.I1) ** (1.0 / 3.0)
     assert near.kind == CENTRE
@@ -94,13 +94,13 @@ def test_the_equilibrium_near_flat_follows_its_law(eta):
 
 def test_constants_on_a_line_to_rounding_are_on_it(body):
     for face in (1, -1):
-        on = on_line(body, 0.2 * body.rate_unit, 0.0, face)
-        found = at_constants(body, on.sigma3_bar, on.sigma4_bar)
+        on = ex.potential(body, 0.2 * body.rate_unit, 0.0, face)
+        found = ex.potential(body, on.sigma3_bar, sigma4_bar=on.sigma4_bar)
         assert (found.eta, found.face) == (0.0, face)
 
 
 def test_a_motion_started_at_a_centre_stays_and_one_at_a_saddle_leaves():
-    potential = on_line(UNIFORM, 0.25, 0.01)
+    potential = ex.potential(UNIFORM, 0.25, 0.01)
     for at in potential.equilibria[:2]:
         run = ex.simulate(
             ex.phi_to_states(UNIFORM, *state_at(potential, at.phi, 0.0)), 20.0, observables=("phi",), accuracy=1e-9
@@ -143,7 +143,7 @@ def test_levels_conserve_energy_against_the_constants_of_states(body, row):
 
 @pytest.mark.parametrize("eta", [0.01, -0.01])
 def test_motions_run_along_their_level_between_its_ends(eta):
-    potential = on_line(UNIFORM, 0.25, eta)
+    potential = ex.potential(UNIFORM, 0.25, eta)
     energy = 1.3
     (piece,) = potential.components(energy)
     start = state_at(potential, 0.0, math.sqrt(2.0 * (energy - potential.V(0.0)) / UNIFORM.body.M))
@@ -212,7 +212,7 @@ def test_the_shading_agrees_with_who_could_fall(name, face):
     disk = BODIES[name]
     random = np.random.default_rng(3)
     for bar in (0.1, 0.2, 0.7):
-        potential = on_line(disk, bar, 0.0, face)
+        potential = ex.potential(disk, bar, 0.0, face)
         y = np.sort(random.uniform(-2.5, 2.5, 60))
         phi = np.arctan(np.sinh(y))
         speed = random.uniform(0.0, 1.5, 60)
@@ -224,16 +224,16 @@ def test_the_shading_agrees_with_who_could_fall(name, face):
         assert could.any()
         if bar == 0.1:
             assert not could.all()
-    assert np.isinf(on_line(disk, 0.2, 1e-9, face).falling_edge(y)).all()
+    assert np.isinf(ex.potential(disk, 0.2, 1e-9, face).falling_edge(y)).all()
 
 
 def test_on_the_line_v_ends_at_v0_and_the_wall_appears_beside_it():
-    on = on_line(UNIFORM, 0.25)
+    on = ex.potential(UNIFORM, 0.25)
     assert on.at_flat(1) == pytest.approx(0.08687994 * 0.25**2, rel=1e-7)
     assert float(on.V(0.5 * math.pi - 1e-7)) == pytest.approx(on.at_flat(1), abs=2e-7)
     assert float(on.dV(0.5 * math.pi - 1e-6)) == pytest.approx(-1.0, abs=1e-4)
     for eta in (1e-3, -1e-3):
-        beside = on_line(UNIFORM, 0.25, eta)
+        beside = ex.potential(UNIFORM, 0.25, eta)
         assert math.isinf(beside.at_flat(1))
         # V ~ eta^2/(2 I1 theta^2)
         size = (UNIFORM.body.I3 * UNIFORM.body.r0 * eta) ** 2 / (2.0 * UNIFORM.body.I1 * 1e-12)
@@ -242,21 +242,21 @@ def test_on_the_line_v_ends_at_v0_and_the_wall_appears_beside_it():
 
 def test_the_well_has_a_separatrix_only_below_its_threshold():
     most = well(COIN).sigma3_bar * COIN.rate_unit
-    found = on_line(COIN, 0.8 * most).separatrices()[0]
+    found = ex.potential(COIN, 0.8 * most).separatrices()[0]
     assert found.branches[0].ends == (TURNING, SADDLE)
     assert found.branches[1].ends == (SADDLE, FLAT)
-    mirrored = on_line(COIN, 0.8 * most, 0.0, -1).separatrices()[0]
+    mirrored = ex.potential(COIN, 0.8 * most, 0.0, -1).separatrices()[0]
     assert mirrored.saddle.phi == pytest.approx(-found.saddle.phi, abs=1e-15)
     assert mirrored.branches[0].ends == (FLAT, SADDLE)
     for bar in (1.01 * most, -2.0 * most):
-        assert not on_line(COIN, bar).separatrices()
+        assert not ex.potential(COIN, bar).separatrices()
 
 
 def test_bad_arguments_get_a_sentence():
     with pytest.raises(ex.InputError, match="face = 2"):
-        on_line(UNIFORM, 0.2, 0.0, 2)
+        ex.potential(UNIFORM, 0.2, 0.0, 2)
     with pytest.raises(ex.InputError, match="between the flat states"):
-        on_line(UNIFORM, 0.2).V(2.0)
+        ex.potential(UNIFORM, 0.2).V(2.0)
 
 
 @pytest.mark.parametrize(("method", "wrong"), [("at_y", 1e3), ("falling_edge", [0.0, -(2**64)]), ("rho", np.inf)])
@@ -267,22 +267,23 @@ def test_what_lies_beyond_flat_is_refused_by_its_name(method, wrong):
 
 @pytest.mark.parametrize("face", [1, -1])
 def test_both_ways_to_name_the_constants_give_one_potential(face):
-    near = on_line(HOOP, 0.4, 0.03, face)
-    same = at_constants(HOOP, near.sigma3_bar, near.sigma4_bar)
+    near = ex.potential(HOOP, 0.4, 0.03, face)
+    same = ex.potential(HOOP, near.sigma3_bar, sigma4_bar=near.sigma4_bar)
     phi = np.linspace(-1.2, 1.2, 7)
     np.testing.assert_allclose(same.V(phi), near.V(phi), rtol=1e-13)
 
 
 def test_levels_lie_between_the_bottom_and_above_the_saddles():
-    potential = on_line(HOOP, 0.25, 0.01)
+    potential = ex.potential(HOOP, 0.25, 0.01)
     levels = potential.levels()
     assert levels.min() > potential.bottom
-    assert levels.max() > on_line(HOOP, 0.25).separatrices()[0].saddle.energy
+    assert levels.max() > ex.potential(HOOP, 0.25).separatrices()[0].saddle.energy
 
 
 @pytest.mark.parametrize("size", [1e7, 1e9, 1e60, 1e99])
 def test_levels_of_the_fastest_motions_are_apart_in_doubles(size):
-    for potential in (on_line(HOOP, 0.25, size), at_constants(HOOP, 0.25, size), on_line(HOOP, size)):
+    fastest = {"eta_hat": size}, {"sigma4_bar": size}
+    for potential in (*(ex.potential(HOOP, 0.25, **each) for each in fastest), ex.potential(HOOP, size)):
         levels = potential.levels()
         assert (np.diff(levels, prepend=potential.bottom) > 0.0).all()
         assert all(potential.components(float(energy)) for energy in levels)
@@ -291,4 +292,4 @@ def test_levels_of_the_fastest_motions_are_apart_in_doubles(size):
 @pytest.mark.parametrize(("name", "value"), [("sigma3_bar", 1e101), ("sigma3_bar", np.nan), ("eta_hat", "x")])
 def test_constants_that_are_none_are_refused_by_name(name, value):
     with pytest.raises(ex.InputError, match=f"{name} = "):
-        on_line(HOOP, **{"sigma3_bar": 0.1, name: value})
+        ex.potential(HOOP, **{"sigma3_bar": 0.1, name: value})

@@ -12,6 +12,7 @@ from matplotlib.legend import Legend
 from matplotlib.text import Text
 
 import explorer as ex
+from explorer.measure.slices import ConstantsPlane
 from explorer.pictures.register import caption_of
 from explorer.pictures.style import BEYOND, SIGN_COLOURS
 
@@ -35,10 +36,12 @@ def drawn(tmp_path_factory, traded):
     both = ex.both_sides(ex.constants_to_states(BODIES["hoop"], 1.0, 0.0, 1.0))
     cut = ex.slice_map(UNIFORM, "phi=-1.35:1.35,phidot=0.05,sigma3=0.15,sigma4=-0.8:0.8", points=41)
     line, beside = ex.potential(UNIFORM, 0.25), ex.potential(UNIFORM, 0.25, 0.01)
+    edges = np.linspace(-2.0, 2.0, 5)
+    plane = ConstantsPlane(UNIFORM, edges, edges, np.geomspace(1e-3, 1.0, 16).reshape(4, 4), "quadrature")
     what = {
         "race-histogram": (races,),
         "race-deviation": (races,),
-        "constants-plane": (states,),
+        "constants-plane": (plane,),
         "theta-min": (ex.scan(states, "theta_min")["theta_min"], 500),
         "slice-of-tilts": (cut,),
         "slice-of-sides": (ex.slice_map(UNIFORM, "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2", points=41),),

@@ -121,6 +121,22 @@ def test_figures_are_of_all_samples_and_of_every_slice():
     assert np.nanmin(scene.plane(tally.plane).smallest) == pytest.approx(tally.theta_min.quantile(0.0), rel=1e-3)
 
 
+def test_each_cell_of_the_plane_of_constants_has_its_flattest_motion():
+    """One state at a time, also of given states; tilts by integration, where the plane has them by quadrature."""
+    states = ex.phi_to_states(BODIES["uniform"], 0.0, *np.random.default_rng(4).uniform(-1.0, 1.0, (3, 60)))
+    scene = FallingSet(states=states)
+    plane = scene.plane(computed(scene).plane)
+    wanted = np.full(plane.smallest.shape, np.inf)
+    found = ex.constants(states)
+    columns = np.searchsorted(plane.sigma3_edges, found.sigma3_bar) - 1
+    rows = np.searchsorted(plane.sigma4_edges, found.sigma4_bar) - 1
+    for i, j, tilt in zip(rows, columns, ex.periods(states, method="rk8").theta_min, strict=True):
+        if 0 <= i < wanted.shape[0] and 0 <= j < wanted.shape[1]:
+            wanted[i, j] = min(wanted[i, j], tilt)
+    assert np.isfinite(wanted).sum() > 30
+    np.testing.assert_allclose(plane.smallest, np.where(np.isinf(wanted), np.nan, wanted), rtol=1e-3)
+
+
 def test_without_theta_min_no_motion_is_followed(monkeypatch):
     """No integrator and no quadrature is called, and all that does not need them is counted the same."""
 
