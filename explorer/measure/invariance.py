@@ -19,7 +19,7 @@ from explorer.measure.sampling import Box, chunk_stream
 from explorer.measure.statistics import either_p
 from explorer.motion.plan import plan
 from explorer.motion.threads import attended, blocks
-from explorer.motion.trajectories import trajectories
+from explorer.motion.trajectories import simulate
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import Result
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states, require_states
@@ -198,7 +198,7 @@ def push_forward(
     still, start = (density.draw(disk, chunk_stream(seed, index), samples) for index in (0, 1))
     states = phi_to_states(disk, **start)
     most = _STEPS_IN_ALL // samples
-    motions = trajectories(states, t_eval=[time], observables=COORDINATES, accuracy=_ACCURACY, max_steps=most)
+    motions = simulate(states, t_eval=[time], observables=COORDINATES, accuracy=_ACCURACY, max_steps=most)
     good = motions.status == compiled.status.Status.OK
     if not good.any():
         raise InputError(

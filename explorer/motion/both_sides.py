@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from explorer import compiled
 from explorer.errors import InputError, positive, sign
 from explorer.motion.limit_motions import LimitMotion, LimitState, limit_motion
-from explorer.motion.trajectories import trajectories
+from explorer.motion.trajectories import simulate
 from explorer.phase.constants import constants
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import Disk
@@ -149,7 +149,7 @@ def both_sides(state: States, eta_hat: float | None = None, t_end: float | None 
     at_point["sigma3_bar"] = constants(state).sigma3_bar
     beside = coordinates_to_states(disk, **at_point, eta_hat=[size, -size])
     end = limit.impacts(3.0 * limit.period)[1] + 0.6 * limit.period if t_end is None else positive("t_end", t_end)
-    motion = trajectories(beside, float(end), observables=QUANTITIES)
+    motion = simulate(beside, float(end), observables=QUANTITIES)
     if not motion.lengths.all():
         code = compiled.status.Status(int(motion.status.max()))
         raise InputError(f"eta_hat = {size:g}: {code.sentence} {code.remedy}")

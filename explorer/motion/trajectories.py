@@ -264,22 +264,6 @@ def simulate(
     >>> bool(abs(np.diff(motion.chi)).max() < 0.2), motion([2.0, 4.0]).phi.round(4)
     (True, array([[0.2749, 0.5152]]))
     """
-    return trajectories(states, t_end, t_eval, observables, method, accuracy, chi0, max_steps, jobs, True)
-
-
-def trajectories(
-    states: States,
-    t_end: float | None = None,
-    t_eval: ArrayLike | None = None,
-    observables: Sequence[str] = ALL,
-    method: str = "auto",
-    accuracy: float = 1e-6,
-    chi0: float = 0.0,
-    max_steps: int = MAX_STEPS,
-    jobs: int = 1,
-    warns: bool = False,
-) -> Trajectories:
-    """As `simulate`, which warns; those who know what lies between their times have no need of that."""
     require_states(states)
     end, times = _times(t_end, t_eval)
     names = [one_of("observable", name, (*_OTHERS, *ALL)) for name in words("observables", observables)]
@@ -288,12 +272,14 @@ def trajectories(
     how = plan(names, accuracy, method)
     chi0 = number("chi0", chi0, -_MOST_TURNED, _MOST_TURNED)
     start = recording.motions(states, how, chi0, whole("max_steps", max_steps, 1, _MOST_STEPS))
-    return _followed(states, start, (end, times), tuple(names), jobs_of("jobs", jobs), warns)
+    return _followed(states, start, (end, times), tuple(names), jobs_of("jobs", jobs), warns=True)
 
 
-def trajectories_by(states: States, how: Plan, times: Array, observables: Sequence[str] = ALL) -> Trajectories:
-    """As `simulate` at given times, by a plan that was made, which may name its setting."""
-    start = recording.motions(states, how, 0.0, MAX_STEPS)
+def trajectories_by(
+    states: States, how: Plan, times: Array, observables: Sequence[str] = ALL, chi0: float = 0.0
+) -> Trajectories:
+    """As `simulate` at given times, by a plan that was made, which may name its setting, and without a warning."""
+    start = recording.motions(states, how, chi0, MAX_STEPS)
     return _followed(states, start, (float(times[-1]), times), tuple(observables))
 
 
@@ -381,5 +367,5 @@ def _warn_of_races(turned: Array) -> None:
             f"by up to {np.nanmax(turned):.3g} rad, and a curve through them would miss races; leave t_eval out "
             "for times as dense as the motion needs, and call the result with your own",
             CoarseTimesWarning,
-            stacklevel=5,
+            stacklevel=4,
         )

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError, number, shown, whole
 from explorer.motion.periods import periods
-from explorer.motion.trajectories import trajectories
+from explorer.motion.trajectories import simulate
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, columns_of, constants_to_states, require_states
 
@@ -101,7 +101,7 @@ def wander(states: States) -> Wander:
     step, status = np.full(len(states), np.nan, np.complex128), each.status.copy()
     for row in np.flatnonzero(status == compiled.status.Status.OK):
         start, end = states.at(np.array([row])), float(each.period[row])
-        moved = trajectories(start, t_eval=[end], observables=("path",), accuracy=_ACCURACY)
+        moved = simulate(start, t_eval=[end], observables=("path",), accuracy=_ACCURACY)
         assert moved.path is not None
         step[row], status[row] = complex(*moved.path[0, 0, :2]), moved.status[0]
     followed = status == compiled.status.Status.OK
@@ -239,7 +239,7 @@ def wander_path(states: States, count: int) -> WanderPath:
     if each.status[0] != compiled.status.Status.OK:
         raise InputError(f"states: no period, or no path. {compiled.status.Status(int(each.status[0])).sentence}")
     end = count * float(each.period[0])
-    motion = trajectories(states, t_end=end, observables=("path", "contact"), accuracy=_ACCURACY)
+    motion = simulate(states, t_end=end, observables=("path", "contact"), accuracy=_ACCURACY)
     if motion.status[0] != compiled.status.Status.OK:
         raise InputError(f"states: no path. {compiled.status.Status(int(motion.status[0])).sentence}")
     assert motion.path is not None

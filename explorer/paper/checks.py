@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from explorer.motion.trajectories import trajectories
+from explorer.motion.plan import plan
+from explorer.motion.trajectories import trajectories_by
 from explorer.paper import eight_dimensions as plain
 from explorer.paper.statement import Finding
 from explorer.phase.disk import Disk
@@ -118,7 +119,8 @@ def observed(
     start: States, or one (phi, phidot, sigma3, sigma4).
     """
     states = start if isinstance(start, States) else phi_to_states(disk, *start)
-    run = trajectories(states, t_eval=times, observables=names, method="dop853", accuracy=accuracy, chi0=chi0)
+    how, at = plan(names, accuracy, "dop853"), np.asarray(times, np.float64)
+    run = trajectories_by(states, how, at, names, chi0)
     return [getattr(run, name) for name in names]
 
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from explorer.errors import InputError
 from explorer.motion.both_sides import both_sides
 from explorer.motion.passages import passages
-from explorer.motion.trajectories import finer, trajectories
+from explorer.motion.trajectories import finer, simulate
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, constants_to_states
 from explorer.pictures.register import Question, picture
@@ -76,7 +76,7 @@ def followed(disk: Disk, eta_hat: Sequence[float]) -> Iterator[Passage]:
     whole = passages(disk, unit, np.multiply(eta_hat, unit), unit)
     for row, size in enumerate(eta_hat):
         start = constants_to_states(disk, unit, size * unit, unit)
-        motion = trajectories(start, float(whole.duration[row]), observables=names, accuracy=1e-9)
+        motion = simulate(start, float(whole.duration[row]), observables=names, accuracy=1e-9)
         at = motion(finer(motion.t[0], _PARTS))
         phi, phidot, sigma3, chi = (getattr(at, name)[0] for name in names)
         theta = 0.5 * np.pi - phi

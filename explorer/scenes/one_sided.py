@@ -18,7 +18,7 @@ from explorer.measure.tallies import ByName, count_status
 from explorer.motion import limit_motions
 from explorer.motion.both_sides import QUANTITIES, beside, both_sides, limits_at, sample_times
 from explorer.motion.plan import TIGHTEST
-from explorer.motion.trajectories import trajectories
+from explorer.motion.trajectories import trajectories_by
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
 from explorer.scenes.options import DISKS, NUMBER, RANGE, RANGES, option, plain
@@ -139,8 +139,7 @@ class OneSided(Scene):
         """All rungs of the ladder, both signs, beside one point of F."""
         eta_hat, limits = np.concatenate([self.ladder(disk), -self.ladder(disk)]), limits_at(disk, start)
         times, middle = sample_times(limits[1])
-        how: Any = {"observables": QUANTITIES, "method": self.method, "accuracy": self.accuracy}
-        motion = trajectories(beside(disk, start, eta_hat), t_eval=times, **how)
+        motion = trajectories_by(beside(disk, start, eta_hat), self.plan, times, QUANTITIES)
         assert motion.chi is not None
         fixed = {"base": base, "sigma3_bar": start["sigma3_bar"], "phidot": start["phidot"]}
         columns: Table = {name: np.full(eta_hat.size, value) for name, value in fixed.items()}

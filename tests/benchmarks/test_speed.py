@@ -10,13 +10,13 @@ of one step is a change of the code.
 import numpy as np
 import pytest
 from conftest import BODIES
+from motions import trajectories
 from passing import batch
 
 import explorer as ex
 from explorer import compiled
 from explorer.motion.integration import InitialValues, follow
 from explorer.motion.plan import plan
-from explorer.motion.trajectories import trajectories
 from explorer.motion.work_precision import STAGES
 from explorer.phase.states import constants_to_states
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from motions import trajectories
 
 import explorer as ex
-from explorer.motion.trajectories import trajectories
 
 BODY = "modules.chaplygin.makeBody(row.I1, row.I3)"
 MOTION = f"""({{ body: {BODY}, face: row.face ?? 1, sigma3_bar: row.sigma3_bar, phidot: row.phidot,

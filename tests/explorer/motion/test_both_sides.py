@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from conftest import BODIES
+from motions import trajectories
 
 import explorer as ex
 from explorer.motion.both_sides import FALLS, MARGIN, QUANTITIES, beside, both_sides, limits_at, sample_times
-from explorer.motion.trajectories import trajectories
 
 HOOP = BODIES["hoop"]
 START = {"sigma3_bar": 0.6, "phidot": 1.0, "face": 1}

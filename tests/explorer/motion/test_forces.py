@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from conftest import BODIES
+from motions import trajectories
 
 import explorer as ex
 from explorer import compiled
-from explorer.motion.trajectories import finer, trajectories
+from explorer.motion.trajectories import finer
 
 
 def along(disk, eta_hat, sigma3_bar, speed):

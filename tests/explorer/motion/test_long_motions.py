@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from conftest import BODIES
+from motions import trajectories
 
 import explorer as ex
-from explorer.motion.trajectories import trajectories
 
 COIN = BODIES["coin"]
 NAMES = ("sigma3_bar", "eta_hat_plus", "energy")
@@ -21,7 +21,7 @@ def test_constants_stay_bounded_and_angles_drift_in_proportion(accuracy):
     whole, first = ex.periods(start, 1e-11), ex.constants(start)
     observables = ("phi", "phidot", "sigma3", "sigma4", "chi")
     times = counts * whole.period[0]
-    motion = trajectories(start, None, times, observables, accuracy=accuracy, max_steps=10**7)
+    motion = trajectories(start, None, times, observables=observables, accuracy=accuracy, max_steps=10**7)
     *state, chi = (getattr(motion, name)[0] for name in observables)
     now = ex.constants(ex.phi_to_states(COIN, *state))
     assert max(abs(getattr(now, name) / getattr(first, name) - 1.0).max() for name in NAMES) < accuracy

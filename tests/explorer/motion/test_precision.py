@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import BODIES
+from motions import trajectories
 from scipy.integrate import solve_ivp
 
 import explorer as ex
 from explorer import compiled
 from explorer.motion.plan import plan
-from explorer.motion.trajectories import trajectories, trajectories_by
+from explorer.motion.trajectories import trajectories_by
 
 NAMES = ("phi", "chi", "psi", "path")
 TIMES = np.array([0.6, 1.2, 1.8, 2.4, 5.0])
@@ -86,7 +87,10 @@ def test_paths_of_thousands_of_radii_meet_their_accuracy_or_are_refused(method):
     other = "dop853" if method == "rk8" else "rk8"
     how = replace(plan(NAMES, 1e-9, other), accuracy=1.0, setting=3e-14 if other == "dop853" else 0.06)
     true = trajectories_by(states, how, np.array([1.0]), NAMES)
-    got = {a: trajectories(states, None, [1.0], NAMES, method=method, accuracy=a) for a in (1e-6, 1e-8, 1e-10)}
+    got = {
+        a: trajectories(states, None, [1.0], observables=NAMES, method=method, accuracy=a)
+        for a in (1e-6, 1e-8, 1e-10)
+    }
     assert all(got[accuracy].ok.all() for accuracy in (1e-6, 1e-8))
     assert abs(true.psi).max() > 2e3
     for accuracy in (1e-6, 1e-8):
@@ -102,7 +106,7 @@ def test_paths_of_thousands_of_radii_meet_their_accuracy_or_are_refused(method):
     assert np.isnan(got[1e-10].path[refused]).all()
     assert got[1e-10].error_estimate[refused].min() > 1e-10
     assert got[1e-10].error_estimate.max() < 1e-8
-    angles_only = trajectories(states, None, [1.0], NAMES[:3], method=method, accuracy=1e-10)
+    angles_only = trajectories(states, None, [1.0], observables=NAMES[:3], method=method, accuracy=1e-10)
     # Many steps of dopri5 round a psi of thousands of radians by more than is asked; two runs show it.
     assert angles_only.ok[~long if method == "dopri5" else slice(None)].all()
     assert angles_only.ok.mean() > 0.9
@@ -118,9 +122,9 @@ def test_estimates_know_what_an_error_of_the_time_does_inside_a_race(name, metho
         passages = ex.passages(disk, 0.7, eta_hat, speed := 1.0 + 3e-1 * distance * rng.normal(size=60))
         states = ex.constants_to_states(disk, 0.7, eta_hat, speed)
         times = [0.5 * np.median(passages.duration)]
-        true = trajectories(states, None, times, ("chi", "psi"), method="rk8", accuracy=1e-11)
+        true = trajectories(states, None, times, observables=("chi", "psi"), method="rk8", accuracy=1e-11)
         for accuracy in (1e-3, 1e-6, 1e-8):
-            got = trajectories(states, None, times, ("chi", "psi"), method=method, accuracy=accuracy)
+            got = trajectories(states, None, times, observables=("chi", "psi"), method=method, accuracy=accuracy)
             error = np.maximum(abs(got.chi - true.chi), abs(got.psi - true.psi))[:, 0]
             assert (error <= 2.0 * (got.error_estimate + true.error_estimate)).all()
             racing += (error > 10.0 * accuracy).sum()
@@ -141,13 +145,15 @@ def long_motions(kind, n=60):
 def test_errors_of_long_motions_are_told_and_mended(kind):
     """Each slow passage of the vertical amplifies what the ones before have left; phases err over many periods."""
     states, names, time = long_motions(kind), ("phi", "chi", "psi"), 20.0
-    true, other = (trajectories(states, None, [time], names, method=m, accuracy=1e-11) for m in ("rk8", "dop853"))
+    true, other = (
+        trajectories(states, None, [time], observables=names, method=m, accuracy=1e-11) for m in ("rk8", "dop853")
+    )
     known = other.ok & (abs(true.chi - other.chi) + abs(true.psi - other.psi) < 1e-8)[:, 0]
     assert known.mean() > 0.9
     away = abs(true.phi[:, 0]) < 0.5 * np.pi - 0.1
     for method in METHODS:
         for accuracy in (1e-2, 1e-4, 1e-6):
-            got = trajectories(states, None, [time], names, method=method, accuracy=accuracy)
+            got = trajectories(states, None, [time], observables=names, method=method, accuracy=accuracy)
             error = np.maximum(abs(got.chi - true.chi), abs(got.psi - true.psi))[:, 0]
             sure = known & got.ok
             assert sure.mean() > 0.85
@@ -265,7 +271,7 @@ def test_fixed_steps_meet_their_accuracy_in_fast_spins_of_little_inertia(method,
     how = replace(plan(NAMES, 1e-11, "rk8"), accuracy=1.0, setting=0.03)
     true = trajectories_by(states, how, np.array([time]), NAMES)
     for accuracy in (1e-2, 1e-4) if method == "rk4" else (1e-2, 1e-4, 1e-8):
-        got = trajectories(states, None, [time], NAMES, method=method, accuracy=accuracy)
+        got = trajectories(states, None, [time], observables=NAMES, method=method, accuracy=accuracy)
         assert got.ok.all()
         error = np.maximum(*errors(got, true))[:, 0]
         assert 0.01 * accuracy < np.percentile(error, 99) / (0.5 * time) < accuracy
@@ -277,8 +283,8 @@ def test_slow_spins_of_little_inertia_pay_no_more_by_order_four():
     disk, rng, n = ex.Disk(I1=0.5, I3=0.005), np.random.default_rng(1), 100
     given = rng.uniform(-2.0, 2.0, n), 10.0 ** rng.uniform(-8.0, 0.0, n), rng.uniform(0.3, 2.0, n)
     states, time = ex.constants_to_states(disk, *given), 3.0
-    true = trajectories(states, None, [time], NAMES, method="rk8", accuracy=1e-10)
-    got = trajectories(states, None, [time], NAMES, method="rk4", accuracy=1e-3)
+    true = trajectories(states, None, [time], observables=NAMES, method="rk8", accuracy=1e-10)
+    got = trajectories(states, None, [time], observables=NAMES, method="rk4", accuracy=1e-3)
     far = (np.pi / 2 - abs(true.phi[:, 0]) > 0.1) & true.ok & got.ok
     error = np.maximum(*errors(got, true))[far, 0]
     assert 0.01e-3 < np.percentile(error, 99) / (0.5 * time) < 1e-3

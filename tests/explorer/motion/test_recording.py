@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from conftest import BODIES
+from motions import trajectories
 from scipy.optimize import brentq
 
 import explorer as ex
 from explorer.motion import recording
-from explorer.motion.trajectories import trajectories
 from explorer.paper import eight_dimensions as plain_disk
 
 ETAS = np.array([1e-1, -1e-2, 1e-3, -1e-4, 1e-6, -1e-8, 1e-10, -1e-12, 1e-100, -1e-300])

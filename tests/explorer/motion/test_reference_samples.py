@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from conftest import BODIES
+from motions import trajectories
 
 import explorer as ex
 from explorer.motion.passages import passages
@@ -13,7 +14,6 @@ from explorer.motion.reference_samples import (
     ReferencePassages,
     through_time,
 )
-from explorer.motion.trajectories import trajectories
 from explorer.motion.vertical import starts_at_vertical
 from explorer.phase.states import constants_to_states
 

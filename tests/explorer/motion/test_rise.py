@@ -4,13 +4,13 @@ import mpmath
 import numpy as np
 import pytest
 from conftest import BODIES
+from motions import trajectories
 from passing import start_on_f
 from scipy.special import ellipkinc
 
 import explorer as ex
 from explorer.motion.falls import fall_from_vertical
 from explorer.motion.limit_motions import limit_motion
-from explorer.motion.trajectories import trajectories
 from explorer.phase.falling_set import barrier, well
 from explorer.phase.states import constants_to_states
 

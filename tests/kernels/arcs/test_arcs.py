@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from motions import trajectories
 from mpmath import mp, mpf
 
 import explorer as ex
-from explorer.motion.trajectories import trajectories
 from kernels.disk import elementary
 
 
