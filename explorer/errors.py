@@ -223,13 +223,13 @@ def words(name: str, value: Any) -> tuple[str, ...]:
 
 def word(name: str, value: Any) -> str:
     """Read a name that may stand in the name of a file: up to 80 printable characters. Raises InputError."""
-    if not isinstance(value, str) or not 0 < len(value) <= 80 or value.startswith(".") or value != value.strip():
-        raise InputError(f"{said(name, value)} is no name; give up to 80 letters, digits or signs")
-    if not value.isprintable() or set(value) & set('/\\:*?"<>|'):
+    good = isinstance(value, str) and 0 < len(value) <= 80 and not value.startswith(".") and value == value.strip()
+    if not good or not value.isprintable() or set(value) & set('/\\:*?"<>|'):
         raise InputError(
-            f"{said(name, value)} is no name: it stands in names of files; leave out its special signs"
+            f"{said(name, value)} is no name, which stands in names of files; give up to 80 letters, digits or "
+            "signs, but none that is special there"
         )
-    return value
+    return str(value)
 
 
 def suggest(value: Any, known: Collection[str]) -> str:

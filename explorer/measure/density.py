@@ -24,7 +24,6 @@ from explorer.measure.sampling import (
     Ranges,
     Stream,
     box_of,
-    gather,
     pair_said,
     read_gaussians,
     read_ranges,
@@ -39,6 +38,8 @@ ANY_ENERGY: Range = (-math.inf, math.inf)
 _SEARCHED, _HEADROOM = 1 << 15, 1.5
 # Distance from flat, over pi/2, and the share of its largest value below which it counts as zero there.
 _BESIDE, _VANISHING = 1e-9, 1e-3
+_SMALLEST_SHARE = 1e-4  # of draws that are kept, below which rejection gives up: it would take 10^4 times as long
+_TRIED = 8  # blocks before it does
 _IDENTIFYING = 256  # points at which a function is looked at for the digest that tells it from others
 # Natural units: with faster rates or a smaller inertia the lines l_+- are too steep for doubles.
 _FASTEST, _LEAST = 1e4, 1e-4
@@ -190,27 +191,38 @@ class Density:
         at which its maximum was sought.
         """
 
-        def block() -> tuple[dict[str, Array], NDArray[np.bool_]]:
-            drawn = self.box.draw(random, BLOCK)
-            for name, _ in self.gaussian:
-                low, high = self.box.ranges[name]
-                drawn[name] = self.quantile(name, (drawn[name] - low) / (high - low))
-            good = np.ones(BLOCK, bool)
-            if self.energy != ANY_ENERGY:
-                energy = self.box.states(disk, drawn).motion.energy * disk.energy_unit
-                good = (energy >= self.energy[0]) & (energy <= self.energy[1])
-            if self.function is not None:
-                values = self.called(drawn)
-                if values.max() > self._bound:
-                    raise InputError(
-                        f"density: is {values.max():g}, more than {_HEADROOM:g} times its largest value at "
-                        f"{_SEARCHED} points of the box; shrink the box to where it is large"
-                    )
-                good &= random.random(BLOCK) * self._bound < values
-            return drawn, good
+        kept: list[dict[str, Array]] = []
+        have = tried = 0
+        while have < count:
+            drawn, good = self._tried(disk, random)
+            kept.append({name: values[good] for name, values in drawn.items()})
+            have, tried = have + int(good.sum()), tried + good.size
+            if tried >= _TRIED * BLOCK and have < _SMALLEST_SHARE * tried:
+                what = "energy" if self.energy != ANY_ENERGY else "density"
+                raise InputError(
+                    f"{what}: only {have} of {tried} draws from the box were kept; widen it or shrink the box"
+                )
+        return {name: np.concatenate([part[name] for part in kept])[:count] for name in kept[0]}
 
-        what = "energy" if self.energy != ANY_ENERGY else "density"
-        return gather(block, count, what + ": only {} draws from the box were kept; widen it")
+    def _tried(self, disk: Disk, random: Stream) -> tuple[dict[str, Array], NDArray[np.bool_]]:
+        """BLOCK states of the box, and which of them rejection keeps."""
+        drawn = self.box.draw(random, BLOCK)
+        for name, _ in self.gaussian:
+            low, high = self.box.ranges[name]
+            drawn[name] = self.quantile(name, (drawn[name] - low) / (high - low))
+        good = np.ones(BLOCK, bool)
+        if self.energy != ANY_ENERGY:
+            energy = self.box.states(disk, drawn).motion.energy * disk.energy_unit
+            good = (energy >= self.energy[0]) & (energy <= self.energy[1])
+        if self.function is not None:
+            values = self.called(drawn)
+            if values.max() > self._bound:
+                raise InputError(
+                    f"density: is {values.max():g}, more than {_HEADROOM:g} times its largest value at "
+                    f"{_SEARCHED} points of the box; shrink the box to where it is large"
+                )
+            good &= random.random(BLOCK) * self._bound < values
+        return drawn, good
 
     def quantile(self, name: str, share: Array) -> Array:
         """The values of a coordinate below which these shares of its own factor in the box lie."""

@@ -23,7 +23,7 @@ from explorer.motion.orbits import KERNELS as OF_ENDS
 from explorer.motion.trajectories import finer
 from explorer.motion.turning_points import smallest_tilts
 from explorer.phase.disk import Disk
-from explorer.phase.lines import motion_given, other_eta_hat
+from explorer.phase.lines import line_chart, motion_given, other_eta_hat
 from explorer.phase.states import Array, States
 
 BLOCK = 1 << 14
@@ -212,7 +212,8 @@ class Tube:
         q, z = source.place(tilt)
         pair, speed = source.spins(q, z, self.face), source.speed.draw(random, count)
         given = source.speed.name == "energy"
-        place = TiltAndRate.of(disk, q, self.face * z, np.zeros(count) if given else source.phidot(speed))
+        phidot, z = np.zeros(count) if given else source.phidot(speed), self.face * z
+        place = TiltAndRate(disk.body, q, z, phidot, line_chart(disk, q, z))
         with np.errstate(all="ignore"):
             plainly, own = random.random(count) < plain, self._pair(pair, random)
             bar = np.where(plainly, own[0], self._bar_on_f(pair, random))
@@ -234,7 +235,7 @@ class Tube:
             left = energy(eta) - place.energy(bar, eta)
         if given:
             weight = np.where(left >= 0.0, weight, 0.0)
-            place = replace(place, phidot=np.sqrt(2.0 / disk.body.M * np.maximum(left, 0.0)))
+            place = place._replace(phidot=np.sqrt(2.0 / disk.body.M * np.maximum(left, 0.0)))
         counted = counts_on(self.face, eta, other_eta_hat(disk, bar, eta)) & np.isfinite(bar) & (settled | plainly)
         return Drawn(place, bar, eta, np.where(counted, weight, 0.0), within | ~settled)
 

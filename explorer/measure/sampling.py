@@ -13,11 +13,10 @@ from functools import partial
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from explorer.errors import InputError, one_of, shown
 from explorer.phase.arguments import read_pair, read_range
-from explorer.phase.coordinates import ANGULAR, KNOWN, chart_of, recognise
+from explorer.phase.coordinates import ANGULAR, KNOWN, chart_of, recognise, unit_of
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, States
 
@@ -25,8 +24,6 @@ Range = tuple[float, float]
 Stream = np.random.Generator
 
 BLOCK = 8192  # draws at once: a few columns of them stay in a processor's cache
-_SMALLEST_SHARE = 1e-4  # of draws that are kept, below which rejection gives up: it would take 10^4 times as long
-_TRIED = 8  # blocks before it does
 _HALF_PI = 0.5 * math.pi
 # Between which numbers coordinates lie, and in words; flat itself is no state.
 _ENDS = {
@@ -126,7 +123,7 @@ def box_of(disk: Disk, given: Mapping[str, Range]) -> Box | ChartBox:
 
 def in_radians(given: Mapping[str, Range], degrees: bool) -> dict[str, Range]:
     """Ranges whose angles, and rates of angles, may be in degrees."""
-    units = {name: math.radians(1.0) if degrees and name in ANGULAR else 1.0 for name in given}
+    units = {name: unit_of(name, degrees) for name in given}
     return {name: (low * units[name], high * units[name]) for name, (low, high) in given.items()}
 
 
@@ -169,25 +166,6 @@ def chunk_stream(seed: int, index: int) -> np.random.Generator:
 def signs(unit: Array) -> Array:
     """1 where a uniform double is below 1/2, else -1."""
     return np.where(unit < 0.5, 1.0, -1.0)
-
-
-def gather(
-    block: Callable[[], tuple[dict[str, Array], NDArray[np.bool_]]], count: int, remedy: str
-) -> dict[str, Array]:
-    """Rejection sampling: call `block` until `count` states are accepted, and return exactly `count`.
-
-    block: returns BLOCK states and which of them to keep. remedy: the message of the InputError that is raised
-    where fewer than one draw in 10^4 is kept, with {} for how many were.
-    """
-    kept: list[dict[str, Array]] = []
-    have = tried = 0
-    while have < count:
-        drawn, good = block()
-        kept.append({name: values[good] for name, values in drawn.items()})
-        have, tried = have + int(good.sum()), tried + good.size
-        if tried >= _TRIED * BLOCK and have < _SMALLEST_SHARE * tried:
-            raise InputError(f"{remedy.format(f'{have} of {tried}')} or shrink the box")
-    return {name: np.concatenate([part[name] for part in kept])[:count] for name in kept[0]}
 
 
 def log_uniform(unit: Array, low: float, high: float) -> Array:

@@ -8,12 +8,14 @@ with them eta.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from explorer import compiled
 from explorer.phase.disk import Disk
+from explorer.phase.energy import energy_at
 from explorer.phase.lines import LineChart, line_chart
 from explorer.phase.states import Array
 
@@ -68,24 +70,16 @@ def half_width(disk: Disk, delta: float, energy: Callable[[Array], Array], count
     return np.where(settled, half, np.inf)
 
 
-@dataclass(frozen=True)
-class TiltAndRate:
-    """Tilts and speeds of draws, the chart there, and the factors of the energy, eq. (2.19); natural units."""
+class TiltAndRate(NamedTuple):
+    """Tilts, by cos phi and sin phi, and speeds of draws, and the chart there; natural units."""
 
+    body: "compiled.body.Body"
     q: Array
     z: Array
     phidot: Array
-    tilting: Array
-    inertia3: Array
-    inertia4: float
     chart: LineChart
-
-    @classmethod
-    def of(cls, disk: Disk, q: Array, z: Array, phidot: Array) -> "TiltAndRate":
-        """From cos phi and sin phi."""
-        b = disk.body
-        return cls(q, z, phidot, 0.5 * b.M * phidot**2 + q, b.I1 / (q * q), b.J, line_chart(disk, q, z))
 
     def energy(self, bar: Array, eta: Array) -> Array:
         s3, s4 = self.chart.rates(bar, eta)
-        return self.tilting + 0.5 * self.inertia3 * s3 * s3 + 0.5 * self.inertia4 * s4 * s4
+        found: Array = energy_at(self.body, self.phidot, s3 / self.q, s4, self.q)
+        return found

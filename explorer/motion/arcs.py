@@ -67,8 +67,8 @@ def integrals(disk: Disk, arcs: Array, crest: Array, accuracy: float) -> Array:
 
     crest: the distance from the outer end at which a motion is slow on its way, NaN where it is not.
     """
-    n = crest.size
-    parts, owner = _cut_at_ends(disk, *_cut_at_crests(disk, arcs, np.arange(n), crest))
+    n, rows = crest.size, np.flatnonzero((crest > 0.0) & (crest < arcs[2]))
+    parts, owner = _cut_at_ends(disk, *_cut(disk, arcs, np.arange(n), rows, crest[rows], True))
     out = by_rules(disk, _kinds(compiled.rules.Arcs(*parts)), parts, accuracy)
     if owner.size == n:
         return out
@@ -93,16 +93,11 @@ def by_rules(disk: Disk, kinds: NDArray[np.int64], arcs: Array, accuracy: float)
     return out
 
 
-def _cut_at_crests(
-    disk: Disk, arcs: Array, owner: NDArray[np.intp], crest: Array
-) -> tuple[Array, NDArray[np.intp]]:
-    """Arcs, and which motion each belongs to, without slow places between their ends."""
-    rows = np.flatnonzero((crest > 0.0) & (crest < arcs[2]))
-    return _cut(disk, arcs, owner, rows, crest[rows], True)
-
-
 def _cut_at_ends(disk: Disk, arcs: Array, owner: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
-    """The same, where those with a slow end are short and go on at the other one, and none is very long."""
+    """Arcs, and which motion each belongs to, none of them very long.
+
+    Those with a slow end are short, and go on at the other one.
+    """
     for outside in (True, False):
         arc = compiled.rules.Arcs(*arcs)
         slow, far = np.isfinite(arc.slow_out if outside else arc.slow_in), arc.K_in if outside else arc.K_out

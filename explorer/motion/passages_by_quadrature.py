@@ -41,7 +41,12 @@ def by_quadrature(
     rows = left()
     if rows.size:
         out[:, rows], status[rows] = as_arcs(disk, rows_of(crossings, rows), edge, most)
-    return _ways(disk, starts.face, crossings, out[:, :n], status)
+    (bar, eta, speed), energy, on_f = crossings, found.energy, crossings.eta == 0.0
+    if on_f.any():  # what lies on F was left out
+        energy = np.where(on_f, energy_at(disk.body, speed, bar, line_slope(disk) * bar, 1.0), energy)
+    error = np.fmax(found.angle_error, found.time_error)
+    followed = found.theta_min, found.chi, found.psi, found.time, found.turn_rate
+    return compiled.races.Samples(bar, eta, speed, starts.face, *followed, energy, error, status)
 
 
 @np.errstate(over="ignore", invalid="ignore")  # of motions that are no input
@@ -92,16 +97,3 @@ def from_vertical(disk: Disk, crossings: "compiled.passages.Crossings") -> ArcSt
     K = np.where(speed > _AS_FROM_REST, 0.5 * b.M * speed * speed, 0.0)
     starts = compiled.turning_points.Starts(X, Y, K, one, none, bar, (X * b.dr0 - Y / b.r0) / b.k)
     return ArcStarts(starts, 2.0 * b.dr0 * bar - Y, none, none)
-
-
-def _ways(
-    disk: Disk, face: Array, crossings: "compiled.passages.Crossings", out: Array, status: NDArray[np.int8]
-) -> "compiled.races.Samples":
-    """What a kernel wrote: rows of PassageRow."""
-    found, (bar, eta, speed) = compiled.passages.PassageRow(*out), crossings
-    energy, on_f = found.energy, eta == 0.0
-    if on_f.any():  # what lies on F was left out
-        energy = np.where(on_f, energy_at(disk.body, speed, bar, line_slope(disk) * bar, 1.0), energy)
-    error = np.fmax(found.angle_error, found.time_error)
-    followed = found.theta_min, found.chi, found.psi, found.time, found.turn_rate
-    return compiled.races.Samples(bar, eta, speed, face, *followed, energy, error, status)

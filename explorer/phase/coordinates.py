@@ -6,6 +6,7 @@ and spin, with constants of motion in place of sigma3 and sigma4, or with the en
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
@@ -232,15 +233,9 @@ class Chart(NamedTuple):
         """The coordinates of this chart among `names`."""
         return tuple(name for name in self.names if name in names)
 
-    def in_radians(self, names: Collection[str]) -> tuple[str, ...]:
-        """Those of them that are angles or rates of angles."""
-        return tuple(name for name in self.present(names) if name in ANGULAR)
-
     def states(self, disk: Disk, columns: Mapping[str, Array], degrees: bool = False) -> States:
         """The states of a table. degrees: whether angles and rates are in degrees; energies never are."""
-        used = {name: columns[name] for name in self.present(columns)}
-        if degrees:
-            used |= {name: np.radians(used[name]) for name in self.in_radians(used)}
+        used = {name: columns[name] * unit_of(name, degrees) for name in self.present(columns)}
         if "tilt" in used and not degrees:
             warn_of_degrees(used["tilt"])
         return self.make(disk, **used)
@@ -260,6 +255,11 @@ CHARTS = (
 )
 KNOWN = tuple(dict.fromkeys(name for chart in CHARTS for name in chart.names))
 ANGULAR = tuple(name for name in KNOWN if COLUMNS[name].unit in (ANGLE, RATE))  # what may be in degrees
+
+
+def unit_of(name: str, degrees: bool) -> float:
+    """A unit of a coordinate in rad or the units of the disk. degrees: whether angles are in degrees."""
+    return math.radians(1.0) if degrees and name in ANGULAR else 1.0
 
 
 def recognise(names: Collection[str], what: str = "states") -> Chart:

@@ -160,9 +160,7 @@ class Disk:
         0.625
         """
         inner = number("disk: annulus (inner over outer radius, between 0 and 1)", inner, 0.0, 1.0)
-        m, r, g = _units(m, r, g)
-        axial = 0.5 * m * r * r * (1.0 + inner * inner)
-        return cls(m=m, r=r, g=g, I1=0.5 * axial, I3=axial, name=f"annulus-{inner:g}")
+        return cls.from_ratios(I1=0.25 * (1.0 + inner * inner), m=m, r=r, g=g, name=f"annulus-{inner:g}")
 
     @classmethod
     def uniform(cls, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
@@ -198,9 +196,7 @@ class Disk:
         >>> ex.Disk.matching().kappa, ex.Disk.matching().gap
         (2.0, 0.0)
         """
-        m, r, g = _units(m, r, g)
-        third = m * r * r / 3.0
-        return cls(m=m, r=r, g=g, I1=third, I3=2.0 * third, name="matching")
+        return cls.from_ratios(I1=1.0 / 3.0, m=m, r=r, g=g, name="matching")
 
     @classmethod
     def parse(cls, text: str) -> Disk:

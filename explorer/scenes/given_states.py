@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, double_of, shorten
-from explorer.phase.coordinates import Chart, recognise
+from explorer.phase.coordinates import ANGULAR, Chart, recognise
 from explorer.phase.disk import Disk
 from explorer.phase.paths import path_of
 from explorer.phase.states import COORDINATES, Array, States
@@ -151,7 +151,7 @@ class GivenStates:
         ):  # those that were given stay as they are, to the last digit and also where they are no state
             known |= {name: table[name] for name in self.chart.present(table) if name in known}
         # A column in degrees must not come back under a name that stands for radians.
-        turned = self.chart.in_radians(table) if degrees else ()
+        turned = set(self.chart.names) & set(ANGULAR) if degrees else ()
         own = {f"given_{k}" if k in turned else k: v for k, v in table.items() if degrees or k not in known}
         return Block(states, row | known, own)
 
