@@ -238,10 +238,12 @@ def wander_path(states: States, count: int) -> WanderPath:
     each = wander(states)
     if each.status[0] != compiled.status.Status.OK:
         raise InputError(f"states: no period, or no path. {compiled.status.Status(int(each.status[0])).sentence}")
-    end = count * float(each.period[0])
-    motion = simulate(states, t_end=end, observables=("path", "contact"), accuracy=_ACCURACY)
-    if motion.status[0] != compiled.status.Status.OK:
-        raise InputError(f"states: no path. {compiled.status.Status(int(motion.status[0])).sentence}")
-    assert motion.path is not None
-    assert motion.contact is not None
-    return WanderPath(states.disk, motion.t[0], motion.contact[0, :, :2], motion.path[0, :, :2], each, count)
+    rounds = float(each.period[0]) * np.arange(count + 1)
+    course = simulate(states, rounds[-1], observables=("path", "contact"), accuracy=_ACCURACY)
+    if not course.ok[0]:
+        raise InputError(f"states: no path. {compiled.status.Status(int(course.status[0])).sentence}")
+    t = np.union1d(course.t[0], rounds)
+    at = course(t)
+    assert at.path is not None
+    assert at.contact is not None
+    return WanderPath(states.disk, t, at.contact[0, :, :2], at.path[0, :, :2], each, count)
