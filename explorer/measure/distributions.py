@@ -13,7 +13,7 @@ from explorer.errors import InputError, double_of, shown, sign, suggest
 from explorer.measure.density import Density
 from explorer.measure.sampling import Range, Stream
 from explorer.phase.arguments import read_range
-from explorer.phase.coordinates import Chart, chart_of, recognise, unit_of, warn_of_degrees
+from explorer.phase.coordinates import Chart, angle_unit, chart_of, recognise, warn_of_degrees
 from explorer.phase.disk import Disk
 from explorer.phase.lines import line_chart, line_slope
 from explorer.phase.states import Array, States
@@ -172,7 +172,7 @@ class Distribution:
         there = {name: value for name, value in given.items() if value is not None}
         chart, values = chart_of("coordinates", there, 0.0)
         face = sign("face", values.pop("face", 1))
-        found = {name: Coordinate.of(name, value, unit_of(name, degrees)) for name, value in values.items()}
+        found = {name: Coordinate.of(name, value, angle_unit(name, degrees)) for name, value in values.items()}
         if "tilt" in found and not degrees:
             warn_of_degrees(np.atleast_1d(np.median(found["tilt"].nodes)), 5)
         return cls(disk, chart, found, face)

@@ -13,8 +13,8 @@ import scipy
 from numpy.typing import NDArray
 
 from explorer.measure.statistics import either_p
+from explorer.phase.arguments import Array
 
-Array = NDArray[np.float64]
 Law = Callable[[Array], Array]
 CONFIDENCE = 0.95  # of intervals, and one less the level at which tests reject
 SHAPE_BINS = 20  # of theta_min / delta

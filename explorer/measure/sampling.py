@@ -16,7 +16,7 @@ import numpy as np
 
 from explorer.errors import InputError, one_of, shown
 from explorer.phase.arguments import read_pair, read_range
-from explorer.phase.coordinates import ANGULAR, KNOWN, chart_of, recognise, unit_of
+from explorer.phase.coordinates import ANGULAR, KNOWN, angle_unit, chart_of, recognise
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, States
 
@@ -123,7 +123,7 @@ def box_of(disk: Disk, given: Mapping[str, Range]) -> Box | ChartBox:
 
 def in_radians(given: Mapping[str, Range], degrees: bool) -> dict[str, Range]:
     """Ranges whose angles, and rates of angles, may be in degrees."""
-    units = {name: unit_of(name, degrees) for name in given}
+    units = {name: angle_unit(name, degrees) for name in given}
     return {name: (low * units[name], high * units[name]) for name, (low, high) in given.items()}
 
 

@@ -235,7 +235,7 @@ class Chart(NamedTuple):
 
     def states(self, disk: Disk, columns: Mapping[str, Array], degrees: bool = False) -> States:
         """The states of a table. degrees: whether angles and rates are in degrees; energies never are."""
-        used = {name: columns[name] * unit_of(name, degrees) for name in self.present(columns)}
+        used = {name: columns[name] * angle_unit(name, degrees) for name in self.present(columns)}
         if "tilt" in used and not degrees:
             warn_of_degrees(used["tilt"])
         return self.make(disk, **used)
@@ -257,7 +257,7 @@ KNOWN = tuple(dict.fromkeys(name for chart in CHARTS for name in chart.names))
 ANGULAR = tuple(name for name in KNOWN if COLUMNS[name].unit in (ANGLE, RATE))  # what may be in degrees
 
 
-def unit_of(name: str, degrees: bool) -> float:
+def angle_unit(name: str, degrees: bool) -> float:
     """A unit of a coordinate in rad or the units of the disk. degrees: whether angles are in degrees."""
     return math.radians(1.0) if degrees and name in ANGULAR else 1.0
 

@@ -13,14 +13,13 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, double_of, nearest, number, one_of, positive, said, shown, word
+from explorer.phase.arguments import Array as Array
 from explorer.phase.energy import energy_at
 from explorer.phase.paths import read_toml
 
-Array = NDArray[np.float64]
 Number = TypeVar("Number", float, Array)
 
 PRESETS = ("uniform", "hoop", "matching")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 Status = compiled.status.Status
 _SHOWN = 6  # columns whose medians the description gives: what fits on a screen beside code
-_COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
+COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
 _SIDED = ("race_angle", "delta_chi", "delta_psi")  # whose medians are told for each side of F
 _AXES = {3: "xyz"}  # what the entries of a vector are called; others are counted
 
@@ -187,7 +187,7 @@ class Result(WithStatus, Table):
         states = getattr(self, "states", None)
         if states is None:
             return self._arrays()
-        given = {name: self._of_each_state(np.asarray(getattr(states, name))) for name in _COORDINATES}
+        given = {name: self._of_each_state(np.asarray(getattr(states, name))) for name in COORDINATES}
         return {**given, **self._arrays()}
 
     def _of_each_state(self, values: NDArray[Any]) -> NDArray[Any]:

@@ -20,11 +20,11 @@ from explorer.phase.arguments import read_columns
 from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
 from explorer.phase.disk import Array as Array
 from explorer.phase.lines import Motion, line_slope, motion_given, motion_through, rows_of
+from explorer.phase.results import COORDINATES as COORDINATES
 from explorer.phase.results import WithStatus
 
 # Also where the user has set numpy to raise.
 _UNDERFLOW_IS_ZERO = np.errstate(under="ignore")
-COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
 
 
 class StateWarning(UserWarning):
