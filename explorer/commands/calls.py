@@ -91,7 +91,7 @@ def trade(**options: Any) -> Trade:
     Returns
     -------
     Trade
-        For the picture work-precision; its method `store` keeps it, so that `accuracy` chooses by it from then on.
+        Each of its `parts` can be drawn: `ex.picture("work-precision", part)`.
 
     Raises
     ------

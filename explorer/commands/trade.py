@@ -54,7 +54,7 @@ class Trading(Options):
     )
     motions: int = option(
         whole_from(0),
-        "number of samples, counted from the first, whose motions in time are measured too; 0 for none",
+        "for the first N samples motions in time are measured too; 0 for none",
         default=1024,
     )
     t_end: float | None = option(

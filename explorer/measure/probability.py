@@ -163,7 +163,7 @@ def probability(
     -----
     Draws that are not states, such as a negative tilt, are left out of the distribution. If plain draws see at
     least 100 hits, they are the answer, with the exact interval of Clopper and Pearson. Otherwise the probability
-    of theta_min < delta is estimated from weighted draws beside the falling set, on both faces; a state that is
+    of theta_min < delta is estimated from weighted draws near the falling set, on both faces; a state that is
     beside both lines counts once. C delta is the limit for small delta; with count = 2 its C is that of
     `falling_constant`. It does not hold if many of the initial states are already as near flat as delta.
 

@@ -68,8 +68,8 @@ COLUMNS = {
     ),
     "side": Column("Sign of eta on `face`: the side of the falling set on which the motion is.", kind=SIGN),
     "distance": Column(
-        "Of a state: signed distance of its (sigma3_bar, sigma4_bar) to the nearer of l_+ and l_-. In one-sided: "
-        "the largest of the distances to the limit motion, in natural units.",
+        "Of a state: signed distance of its (sigma3_bar, sigma4_bar) to the nearer of l_+ and l_-. In the scene "
+        "one-sided: the largest of the distances to the limit motion, in natural units.",
         RATE,
         "(6.2)",
     ),
@@ -128,7 +128,7 @@ COLUMNS = {
     "rounding": Column("Order of magnitude of the rounding error of the determinant."),
     # scenes
     "delta": Column(
-        "The delta of P(theta_min < delta), which the draw serves to estimate; NaN for plain draws.", ANGLE
+        "The delta for which the draw helps to estimate P(theta_min < delta); NaN for plain draws.", ANGLE
     ),
     "weight": Column("Weight of the draw relative to a plain draw: density times the volume it represents."),
     "base": Column("Index of the state on F near which the motion starts.", kind=COUNT),
