@@ -54,7 +54,7 @@ class Trading(Options):
     )
     motions: int = option(
         whole_from(0),
-        "for the first N samples motions in time are measured too; 0 for none",
+        "motions in time are measured too, for the first N samples; 0 for none",
         default=1024,
     )
     t_end: float | None = option(

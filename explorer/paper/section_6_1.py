@@ -81,7 +81,7 @@ def _rest_of_the_barrier(disk: Disk, face: int, eta: float) -> Iterator[Finding]
     slope, level = np.polyfit(logs, sigma[1], 1)
     want = J * slope * level + c * eta**2 / (4.0 * disk.I1)
     text = (
-        f"{where} ratio of two growths with ln(1∓σ₁): of D, which is V minus the other terms of (6.7), to the one "
+        f"{where} let D be V minus the other terms of (6.7): slope of D against ln(1∓σ₁), divided by the slope "
         "that follows from σ₄ and (3.8); as printed, D does not grow"
     )
     yield near(text, np.polyfit(logs, rest, 1)[0] / want, 1.0, 5e-3, "terms S ln²S", {"(6.7)": 0.0})
@@ -186,5 +186,5 @@ def slope_at_flat() -> Iterator[Finding]:
             tilts = np.geomspace(1e-5, 1e-4, 10)
             order = exponent(_depth(tilts), V.deriv()(tilts) / np.sin(tilts))
             where = f"{disk.name}, face {face:+d}"
-            text = f"{where}: exponent of 1∓σ₁ in the last term of (6.8), which is that of dV/dσ₁; printed 1/2"
+            text = f"{where}: exponent of 1∓σ₁ in the last term of dV/dσ₁, by (6.8); printed 1/2"
             yield near(text, order, -0.5, 1e-3, _FIT, {"(6.8)": 0.5})

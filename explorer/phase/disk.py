@@ -37,8 +37,8 @@ UNITS = {
     "m": (1.0, ("r",)),
 }
 SYNTAX = (
-    f"a name, {', '.join(PRESETS)} (whose limit motions on the two sides of F agree) or annulus:INNER_OVER_OUTER, "
-    "with or without numbers, as in uniform:m=..,r=..,g=..; or a file, FILE.toml; or numbers, "
+    f"one of {', '.join(PRESETS)} (whose limit motions on the two sides of F agree) and annulus:INNER_OVER_OUTER, "
+    "perhaps with numbers behind it, as in uniform:m=..,r=..,g=..; a file, FILE.toml; or numbers alone, "
     '"m=..,r=..,g=..,I1=..,I3=..", where I3=flat means 2 I1. '
     f"A number may have a unit ({', '.join(UNITS)}), as in "
     '"m=20g,r=5cm,I1=150 g cm^2,I3=flat"; g is then 9.81 m/s^2 if left out'

@@ -46,7 +46,7 @@ class Approach(Counts):
 
 
 class OneSided(Scene):
-    """What is the limit from each side of F? Distances of motions from it as eta_hat shrinks."""
+    """What is the limit from each side of F? Distances of motions from the limit motion as eta_hat shrinks."""
 
     disk: tuple[Disk, ...] = option(  # type: ignore[assignment]  # several
         DISKS,

@@ -91,8 +91,11 @@ def quoted(rows):
     peers = [reaching(rows, (f"heyoka batch, {kind}",), 1e-6) for kind in ("plain", "regularised")]
     exact, integrated = asked_at(rows, QUADRATURE, 1e-6), best_asked(rows, INTEGRATED, 1e-6)
     (plain, regular), (stepped, easier) = ([times(ours, peer) for peer in peers] for ours in (exact, integrated))
-    said = f"quadrature, which computes a passage as an integral: {plain}; our Runge–Kutta: {stepped}. If heyoka"
-    said += f" solves our equations, which stay smooth at flat: {regular} and {easier}"
+    said = (
+        f"quadrature, which computes a passage as an integral: {plain}; our Runge–Kutta: {stepped}. If heyoka too"
+    )
+    said += f" uses our equations, which stay smooth at flat, quadrature is {regular} times and our Runge–Kutta "
+    said += f"{easier} times as fast as heyoka"
     return f"{FRONT} | {said} | 1 |"
 
 
