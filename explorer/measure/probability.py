@@ -60,8 +60,8 @@ class Probability:
     estimate : float
         The probability.
     interval : (float, float)
-        It lies between these with a confidence of 95 %. After plain draws without a hit the lower one is 0, and
-        the upper one is a bound of one side (Clopper-Pearson).
+        It lies between these with a confidence of 95 %. If the event happens in none of the plain draws, the lower
+        end is 0, and the upper end is a one-sided bound (Clopper-Pearson).
     effective_samples : float
         Number of hits of equal weight that would give the same precision; for plain draws, the number of hits.
     law : Law or None
@@ -138,7 +138,8 @@ def probability(
     accuracy : float
         As for `bounces`; for theta_min it is relative. 1e-13 to 0.1.
     samples : int
-        Plain draws. Beside the falling set an eighth as many are made at each face, and 4,096 at least.
+        Number of plain draws, from the whole distribution. Close to the falling set an eighth as many are drawn
+        for each face, but at least 4,096.
     rng : int, SeedSequence or Generator
         Where random numbers come from; the same int gives the same numbers.
     **coordinates

@@ -54,9 +54,13 @@ COLUMNS = {
     "tilt_rate": Column("Rate of the tilt, positive where the disk rises.", RATE),
     "precession": Column("Rate at which the contact point turns about the vertical.", RATE, "(2.14)"),
     "spin": Column("Angular velocity about the disk's own axis, sigma4.", RATE, "(2.14)"),
-    "sigma3_bar": Column("Constant of motion: sigma3 continued to the vertical.", RATE, "(3.5)"),
-    "sigma4_bar": Column("Constant of motion: sigma4 continued to the vertical.", RATE, "(3.5)"),
-    "eta_hat": Column("Signed distance to the line of the column `face`: eta / (I3 r(0)).", RATE, "(6.2)"),
+    "sigma3_bar": Column("Constant of motion: what sigma3 is, or would be, at the vertical.", RATE, "(3.5)"),
+    "sigma4_bar": Column("Constant of motion: what sigma4 is, or would be, at the vertical.", RATE, "(3.5)"),
+    "eta_hat": Column(
+        "Signed distance along sigma4_bar to l_+ or l_-, the line of that face which the column `face` gives.",
+        RATE,
+        "(6.2)",
+    ),
     "eta_hat_plus": Column("Signed distance to the line l_+, on which the disk falls on face +1.", RATE, "(6.2)"),
     "eta_hat_minus": Column("Signed distance to the line l_-, on which the disk falls on face -1.", RATE, "(6.2)"),
     "eta_plus": Column("eta_hat_plus times I3 r(0).", "mass length^2 rad/time", "(6.2)"),
@@ -128,7 +132,9 @@ COLUMNS = {
     "rounding": Column("Order of magnitude of the rounding error of the determinant."),
     # scenes
     "delta": Column(
-        "The delta for which the draw helps to estimate P(theta_min < delta); NaN for plain draws.", ANGLE
+        "Of a draw near F: the delta for which it helps to estimate P(theta_min < delta). NaN for plain draws, "
+        "from the whole box.",
+        ANGLE,
     ),
     "weight": Column("Weight of the draw relative to a plain draw: density times the volume it represents."),
     "base": Column("Index of the state on F near which the motion starts.", kind=COUNT),

@@ -88,7 +88,7 @@ class Disk:
         Gravity (m/s^2).
     I1, I3 : float, optional
         Transverse and axial moment of inertia (kg m^2), 0 <= I3 <= 2 I1 by eq. (2.3). I1 is by default that of a
-        uniform disk, m r^2/4, and I3 that of a flat body, 2 I1; "flat" means the same.
+        uniform disk, m r^2/4. I3 is by default that of a flat body, 2 I1; I3="flat" means this too.
     name : str
         Used in the names of folders, in pictures and in tables.
 

@@ -203,5 +203,5 @@ class OneSided(Scene):
             exact, found = limits["gap"]["exact"], limits["gap"]["measured"]
             measured = "not measured" if found is None else f"{found:+.6f}"
             told = f"{measured} rad (exact {exact:.6f}); {verdict[limits['coincide']]}"
-            lines.append(f"{name}: between the directions in which the two limit motions rise {told}")
+            lines.append(f"{name}: angle between the directions in which the two limit motions rise: {told}")
         return lines
