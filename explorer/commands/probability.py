@@ -45,7 +45,7 @@ class Question(Coordinates):
     )
     count: int = option(
         whole_from(1),
-        "how many approaches to flat are followed; with 2 you see the smallest tilt on each face",
+        "how many approaches to flat are followed; 2 are enough for the smallest tilt on each face",
         default=1,
     )
     samples: int = option(

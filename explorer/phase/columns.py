@@ -132,8 +132,8 @@ COLUMNS = {
     "rounding": Column("Order of magnitude of the rounding error of the determinant."),
     # scenes
     "delta": Column(
-        "Of a draw near F: the delta for which it helps to estimate P(theta_min < delta). NaN for plain draws, "
-        "from the whole box.",
+        "Of a draw near F: the delta whose P(theta_min < delta) this draw is used to estimate. NaN for plain "
+        "draws, from the whole box.",
         ANGLE,
     ),
     "weight": Column("Weight of the draw relative to a plain draw: density times the volume it represents."),

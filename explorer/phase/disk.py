@@ -37,9 +37,9 @@ UNITS = {
     "m": (1.0, ("r",)),
 }
 SYNTAX = (
-    f"one of {', '.join(PRESETS)} (whose limit motions on the two sides of F agree) and annulus:INNER_OVER_OUTER, "
-    "perhaps with numbers behind it, as in uniform:m=..,r=..,g=..; a file, FILE.toml; or numbers alone, "
-    '"m=..,r=..,g=..,I1=..,I3=..", where I3=flat means 2 I1. '
+    f"a name, a file or numbers. Names are {', '.join(PRESETS)} (whose limit motions on the two sides of F agree) "
+    "and annulus:INNER_OVER_OUTER; numbers may follow a name, as in uniform:m=..,r=..,g=... A file is FILE.toml. "
+    'Numbers alone are "m=..,r=..,g=..,I1=..,I3=..", where I3=flat means 2 I1. '
     f"A number may have a unit ({', '.join(UNITS)}), as in "
     '"m=20g,r=5cm,I1=150 g cm^2,I3=flat"; g is then 9.81 m/s^2 if left out'
 )

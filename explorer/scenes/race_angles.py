@@ -76,7 +76,7 @@ class RaceAngles(FromStates):
     box: Any = option(
         RANGES,
         f"with --start near, {BOX_NEAR_F}; with --start anywhere, as in falling-set",
-        words="the numbers of the example, in natural units",
+        words="those same numbers, in natural units",
         follows=lambda self, given: self.box_of(given),
     )
     start: str = option(

@@ -7,7 +7,7 @@ from peers.measuring import ASKED, METHODS, PEER, PUBLIC
 
 INTEGRATED = tuple(f"passages, {method}" for method in METHODS)
 QUADRATURE = "passages, quadrature"
-FRONT = "| speed of calls on one core at an error below 10⁻⁶, where 1 is heyoka (a fast Taylor solver) in batches"
+FRONT = "| speed of calls on one core at an error below 10⁻⁶, as a multiple of that of heyoka (a fast Taylor solver), which computes in batches"
 ORIGIN = "The speeds were measured in one run on "
 REST = 1e-9  # the least error at which most peers have a row at all
 

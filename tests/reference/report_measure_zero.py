@@ -110,11 +110,7 @@ def split_lines(summary):
     splits, invariance = summary["splits"], summary["invariance"]
     face = splits["face_plus"]
     yield from ("", "## How the probability splits", "")
-    yield f"On face +1: {face['value']:.5f} +- {face['error']:.5f}, predicted {face['predicted']:.5f}. By energy:"
-    yield from ("", "| energy from | to | share | error | predicted |", "|---|---|---|---|---|")
-    for row in splits["energy"]:
-        ends = ["" if row[key] is None else f"{row[key]:.3f}" for key in ("energy_from", "energy_to")]
-        yield f"| {ends[0]} | {ends[1]} | {row['share']:.5f} | {row['error']:.5f} | {row['predicted']:.5f} |"
+    yield f"On face +1: {face['value']:.5f} +- {face['error']:.5f}, predicted {face['predicted']:.5f}."
     yield ""
     yield "To leading order both signs of eta have the same share;"
     yield "the relative difference of P from C delta is of order delta:"
