@@ -80,8 +80,8 @@ def flow_stretch(states: States, steps: int = 200, step: float = 0.05) -> Stretc
     steps : int
         Number of integration steps, 1 or more.
     step : float
-        Size of a step of s, where dt = cos(phi) ds, so that time goes by slowly near flat; in units of 1/speed, up
-        to 1.
+        Size of a step of s, where dt = cos(phi) ds, so that time goes by slowly near flat; up to 1, in units of
+        1/speed, where the speed is a bound of the rates of the motion.
 
     Returns
     -------
@@ -171,7 +171,8 @@ def push_forward(
     samples : int
         States in each sample.
     energy : float, optional
-        The largest energy of the states, an invariant set (units of the disk; by default 3 m g r).
+        Only states with at most this energy are drawn; they form an invariant set (units of the disk; by default 3
+        m g r).
     seed : int
         Of the draws.
 

@@ -143,7 +143,7 @@ def race_law(
 ) -> list[dict[str, Any]]:
     """The constant of the race law for your own race angles, by |eta|, as the picture race-deviation shows it.
 
-    By the law, race angles are off side times kappa pi by a constant times |eta| ln(1/|eta|).
+    By this law a race angle differs from its limit, side times kappa pi, by a constant times |eta| ln(1/|eta|).
 
     Parameters
     ----------

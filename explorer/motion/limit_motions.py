@@ -78,8 +78,8 @@ class LimitMotion:
     """The one-sided continuation of a motion on F through all its impacts; call it with times.
 
     If sigma3_bar = sigma4_bar = 0 and the energy is above m g r, the disk swings over the vertical, as a pendulum,
-    and falls to both flat states in turn. If this motion is approached with sigma3_bar kept at 0, eta has opposite
-    signs on the two faces, so that chi jumps to and fro while psi always jumps the same way.
+    and falls to both flat states in turn. If the motions that tend to this one have sigma3_bar = 0, their eta has
+    opposite signs on the two faces, so that chi jumps to and fro while psi always jumps the same way.
 
     Attributes
     ----------

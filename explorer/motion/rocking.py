@@ -76,8 +76,8 @@ def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HA
     excess : array_like, optional
         Energies, (E - V_0)/(3/2 m g r theta_0): above 1, which is the bottom of the well; by default up to 1e4.
     eta_hat : float
-        Units of the disk; not 0, and small enough for the tilts to stay below 0.1 rad. sigma3_bar is then of the
-        size of eta_hat ln(eta_hat), and the limit curve does not depend on it.
+        Units of the disk; not 0, and small enough for the tilts to stay below 0.1 rad. The motions then have a
+        sigma3_bar of the size of eta_hat ln(eta_hat), and their curve of chi against excess does not depend on it.
 
     Returns
     -------

@@ -40,15 +40,16 @@ class Scan(Table):
     """Observables of states, arrays with their shape: what `scan` returns.
 
     Index it by the name of an observable, or like an array to get some of the states. If it has only one
-    observable, numpy takes it as an array. `save` stores it, and picture observable draws it.
+    observable, numpy takes it as an array. `save` stores it, and `ex.picture("observable", found)` draws it.
 
     Attributes
     ----------
     states : States
         What was scanned.
     values : dict of arrays
-        The observables by name: that of the observable, of the function, or of what the function returned. If an
-        array has more axes than the states, these hold the several numbers of each state.
+        The observables by name. The name is that of the observable or of the function, or the key of the dict that
+        the function returned. If an array has more axes than the states, these hold the several numbers of each
+        state.
 
     Examples
     --------

@@ -212,8 +212,9 @@ def simulate(
 ) -> Trajectories:
     """Follow motions in time from their initial states, at times as dense as each motion needs.
 
-    Each step is projected onto sigma3_bar and eta, and once per swing onto the energy, whose change is reported as
-    an error. An eta_hat that was given is kept, down to 1e-300. A state on the falling set has the status FALLS.
+    After each step the state is projected back onto sigma3_bar and eta; onto the energy it is projected once per
+    swing, and the change of the energy is reported as an error. An eta_hat that was given is kept, down to 1e-300.
+    A state on the falling set has the status FALLS.
 
     Parameters
     ----------
@@ -228,8 +229,9 @@ def simulate(
     method : str
         'auto' (the cheaper adaptive pair), 'rk4', 'rk8', 'dopri5' or 'dop853'.
     accuracy : float
-        Error of angles (rad) and path (in r) per passage, a time of about 2 sqrt(r/g), 1e-11 to 0.1. Over k
-        passages it grows like k. Inside a race it is the error of the time at which the race happens.
+        Largest error, 1e-11 to 0.1, of angles (rad) and path (in r) in one passage, which takes about 2 sqrt(r/g).
+        Over k passages it grows like k. During a race the angles may err by more: there it bounds the error of the
+        time at which the race happens.
     chi0 : float
         Contact angle at the start (rad), -1e4 to 1e4.
     max_steps : int
@@ -245,7 +247,8 @@ def simulate(
     Raises
     ------
     InputError
-        For arguments that cannot be used, and where the motions need more than 4 million times.
+        For arguments that cannot be used, and if the motions would have to be recorded at more than 4 million
+        points of time.
 
     Warns
     -----

@@ -114,7 +114,7 @@ def wander(states: States) -> Wander:
 def resonance(
     disk: Disk, eta_hat: float, phidot: float, turns: int, between: tuple[float, float]
 ) -> tuple[float, States]:
-    """The motion that walks away over the table: its sigma3_bar, at which chi turns by whole turns in a period.
+    """The sigma3_bar at which chi turns by whole turns in a period, so that the disk walks away over the table.
 
     Parameters
     ----------

@@ -146,10 +146,11 @@ _CHI = (
     "by κπ (κ = {kappa}): up on one side of F, down on the other."
 )
 _AXIS = (
-    "The axis of {body}, the unit vector v = A e₃, projected onto the table, over {turns} periods, with "
-    "η̂₊ = {signed}. Left: the whole path. Right: its middle, enlarged. The path starts on the circle of radius 1, "
-    "where the disk is upright, and comes in to the origin, where it is nearly flat. There it turns by κπ "
-    "(κ = {kappa}) about the origin, and then it leaves. It is dashed where v₃ < 0."
+    "The axis of {body}, a unit vector that the paper calls v, projected onto the table, over {turns} periods, "
+    "with η̂₊ = {signed}. Left: the whole path. Right: its middle, enlarged. The path starts on the circle of "
+    "radius 1, where the disk is upright, and comes in to the origin, where it is nearly flat. There it turns by "
+    "κπ (κ = {kappa}) about the origin, and then it leaves. It is dashed where v₃, the vertical component, is "
+    "negative."
 )
 _CENTRE = (
     "The path of the centre of mass of {body} seen from above, over {turns} periods, " + _OF_SIDES + ". At the "

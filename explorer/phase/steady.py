@@ -81,8 +81,8 @@ def steady_motions(
     -------
     SteadyMotions
         One for each pair: the equation for the spin is linear. An upright disk with precession turns on the spot.
-        Without precession only the upright disk is steady, and rolls straight at any spin; the status is then
-        BAD_INPUT.
+        Without precession no spin can be given, and the status is BAD_INPUT: a tilted disk is not steady, and an
+        upright one rolls straight at any spin.
 
     Raises
     ------

@@ -133,7 +133,7 @@ def constant_convergence(ax: Axes, summary: dict[str, Any]) -> None:
     "still be seen are the noise of counting.",
 )
 def tilt_density(ax: Axes, summary: dict[str, Any]) -> None:
-    """Draw theta_min / delta of the hits beside the constant density that the law predicts."""
+    """Draw the density of theta_min / delta of draws that come flatter than delta; by the law it is constant."""
     tilt = summary["splits"]["tilt"]
     middle = (np.arange(SHAPE_BINS) + 0.5) / SHAPE_BINS
     share, error = np.array(tilt["share"]) * SHAPE_BINS, np.array(tilt["error"]) * SHAPE_BINS

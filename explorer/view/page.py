@@ -133,8 +133,8 @@ def view(
     Raises
     ------
     InputError
-        If `motion` is not a motion, or holds several and no row is given; for numbers beside a motion; for a
-        fall; and for a side that is lost in rounding.
+        If `motion` is not a motion, or holds several and no row is given; if numbers are given together with a
+        motion; if the motion falls; and if its side is lost in rounding.
 
     Notes
     -----
