@@ -22,7 +22,7 @@ from explorer.scenes.scene import joined
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT
 
 _REFERENCE = {
-    "passages": "quadrature along arcs at 1e-11, which uses none of the precomputed tables of the methods",
+    "passages": "another quadrature at 1e-11, which uses none of the precomputed tables of the methods",
     "motions": "rk8 with steps far finer than any accuracy needs",
 }
 _ABOUT = """Times are those of `passages` and `simulate`: processor time of one core, without compile time, the

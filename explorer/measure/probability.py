@@ -129,8 +129,8 @@ def probability(
         Needs I3 > 0.
     event : (str, float) or callable
         ("theta_min", delta): the tilt becomes smaller than delta (rad). Or a function of `Bounces` that returns a
-        bool for each state, or for each state and bounce: then any of its bounces counts. For motions that fall,
-        theta_min is 0, and the other columns are NaN or 0.
+        bool for each state, or for each state and bounce; then a state counts if this is True for at least one of
+        its bounces. For motions that fall, theta_min is 0, and the other columns are NaN or 0.
     count : int
         Within how many bounces. The tilt is periodic: bounces of one state have at most two theta_min, one on each
         face, so two bounces give all values of theta_min.

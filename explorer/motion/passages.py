@@ -66,7 +66,8 @@ class Passages(Result):
     status : array of int8
         `Status` of each sample.
     method, model : str
-        The method that answered, and the model that it solves.
+        The method that answered, and what it computes: 'quadrature' for integrals, 'reduced' for phi, phidot,
+        sigma3 and sigma4 in time, 'angles' with chi and psi too, 'path' with the path too.
 
     Examples
     --------

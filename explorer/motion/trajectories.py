@@ -47,12 +47,13 @@ class Trajectories(WithStatus):
     Attributes
     ----------
     t : (n, nt) or (nt,) array
-        Times. Without t_eval each motion has its own, `lengths` of them; the rest of its row repeats the end, in
-        all arrays, so that it can be drawn as it is. With t_eval, the times in it.
+        Times. Without t_eval each motion has its own times; `lengths` says how many. The rest of its row repeats
+        the last one, and all other arrays repeat their last value, so that whole rows can be drawn. With t_eval,
+        the times given there.
     phi : (n, nt) array or None
-        Tilt (rad), -pi/2 to pi/2, 0 at the vertical.
+        Angle to the vertical (rad), -pi/2 to pi/2.
     tilt : (n, nt) array or None
-        Angle from flat (rad), 0 on face +1 to pi on face -1, with all digits of a small one.
+        Angle from flat (rad), from 0 on face +1 to pi on face -1. Small angles keep all their digits.
     phidot, sigma3, sigma4 : (n, nt) array or None
         Rates of eq. (2.14), units of the disk.
     chi, psi : (n, nt) array or None
@@ -74,7 +75,7 @@ class Trajectories(WithStatus):
         was asked are followed again by finer steps. Where the constants show nothing, as with I3 = 0, in fast
         spins and after many periods, two runs are compared.
     lengths : (n,) array of int
-        How many times of its row each motion has; 0 where the status is not OK.
+        Number of times in the row of each motion; 0 where the status is not OK.
     t_end : float
         The last time at which it can be called.
     states : States

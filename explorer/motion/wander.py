@@ -39,8 +39,8 @@ class Wander:
     radius : array
         Of the circle on which the centre lies after each period, |step|/(2 |sin(chi/2)|); infinite at a resonance.
     status : array of int8
-        `Status` of each motion, of its period or else of its integration; where it is not OK, the other columns
-        are NaN.
+        `Status` of each motion: that of its period or, if that is OK, that of its integration. Where it is not OK,
+        the other columns are NaN.
 
     Examples
     --------

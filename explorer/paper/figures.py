@@ -38,7 +38,7 @@ INFERRED = (
     f"the ticks of its Fig. 7 allow {CHI0_FITS[0]:g} to {CHI0_FITS[1]:g}.",
     "Fig. 1: the length is described in the paper as somewhat more than three periods.",
     "Figs. 2, 4, 5: the right part shows the same window as Fig. 3, whose ticks are known.",
-    "Figs. 6 to 9: the length is inferred from Fig. 7, whose ticks exclude 3.4 periods.",
+    "Figs. 6 to 9: the length, 3 periods, is inferred from Fig. 7. Its ticks do not fit 3.4 periods.",
 )
 
 

@@ -27,7 +27,7 @@ CASES = (
 )
 COVERED = (("uniform", None, 256), ("hoop", "phi=-1:1", 256), ("matching", "phi=-1:1", 64))
 LAWS = {
-    "dimension_two": "P proportional to delta^2 (equal at delta = 1e-4)",
+    "dimension_two": "P proportional to delta^2, and equal to C delta at delta = 1e-4",
     "plateau": "C delta + 1e-6",
     "constant_off": "1.02 C delta",
 }
@@ -85,7 +85,7 @@ def main():
 def ladder_lines(summary):
     yield (
         "| delta | plain draws flatter than delta | P by them, 95 % | P by tubes, divided by delta "
-        "| 95 %, all rungs at once | effective size |"
+        "| 95 % interval that holds for all rungs together | effective size |"
     )
     yield "|---|---|---|---|---|---|"
     for row in summary["ladder"]:
@@ -124,9 +124,8 @@ def split_lines(summary):
     yield ""
     yield "Of the draws that come flatter than delta, theta_min/delta is"
     yield f"distributed uniformly: p = {splits['tilt']['p_value']:.2g}. The motion keeps volumes in the"
-    yield "phase space: the"
-    yield f"determinant of its derivative equals 1 within {invariance['determinant_error']:.0e}, and"
-    yield "states that have"
+    yield "phase space: the derivative of the final state with respect to the initial one has a determinant that"
+    yield f"equals 1 within {invariance['determinant_error']:.0e}, and states that have"
     yield f"moved for some time are distributed as before: p = {invariance['push_forward_p_value']:.2g}."
 
 
