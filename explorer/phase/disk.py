@@ -355,8 +355,8 @@ class Disk:
         Examples
         --------
         >>> import explorer as ex
-        >>> ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81).describe()["I1"]
-        2.0753617500000003e-07
+        >>> ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81).describe()["r"]
+        0.0121
         """
         return asdict(self)
 
