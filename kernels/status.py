@@ -52,12 +52,12 @@ _TEXTS = {
     Status.BAD_INPUT: (
         "The numbers do not describe a state (not finite, too large, already flat, a face other than +1 and -1), "
         "or they start a passage whose energy is too low for the disk to come near flat.",
-        "Give finite numbers below 1e100 natural units and -pi/2 < phi < pi/2. For a passage, give a speed "
-        "towards flat that is not negative, and is large enough to come near flat.",
+        "Give finite numbers below 1e100 natural units, with phi between -pi/2 and pi/2. For a passage, give a "
+        "speed towards flat that is not negative, and is large enough to come near flat.",
     ),
     Status.STEP_LIMIT: (
-        "The limit of steps or nodes was reached, but not the event or the accuracy asked for: the start is slow, "
-        "or an equilibrium is near.",
+        "The limit of steps or of nodes was reached before the end of the motion, or before the accuracy asked "
+        "for: the start is slow, or an equilibrium is near.",
         "Allow larger errors (a larger `accuracy`), or try another `method`.",
     ),
     Status.STEP_TOO_SMALL: (

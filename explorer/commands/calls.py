@@ -81,9 +81,9 @@ def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
 def trade(**options: Any) -> Trade:
     """Measure the error and the cost of every method on passages near the falling set, and on motions in time.
 
-    Passages are compared with quadrature along arcs, which uses no tables, motions in time with far finer steps.
-    Costs are those of the calls `passages` and `simulate`, on one core, without compile time. For states of your
-    own use `compare`.
+    Passages are compared with a quadrature that uses no precomputed tables. Motions in time are compared with far
+    finer steps. Costs are those of the calls `passages` and `simulate`, on one core, without compile time. For
+    states of your own use `compare`.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def trade(**options: Any) -> Trade:
     Returns
     -------
     Trade
-        For the picture work-precision; its method `store` keeps it, so that `accuracy` chooses by it from then on.
+        Each of its `parts` can be drawn: `ex.picture("work-precision", part)`.
 
     Raises
     ------

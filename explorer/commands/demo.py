@@ -23,7 +23,7 @@ _INTEGRATED: dict[str, Any] = {"method": "rk8", "accuracy": 1e-3}
 _LOOKED_AT: dict[str, Any] = {"method": "rk8", "accuracy": 1e-8}
 _STEPS: tuple[tuple[str, dict[str, Any], str], ...] = (
     ("falling-set", {"samples": 1_000_000, **_INTEGRATED}, "Where does the disk fall? A million states, {how}."),
-    ("one-sided", {}, "What happens just beside the falling set? Two sides, two limit motions."),
+    ("one-sided", {}, "What happens close to the falling set? Two sides, two limit motions."),
     (
         "race-angles",
         {"samples": 200_000, **_LOOKED_AT},

@@ -55,9 +55,8 @@ COMMANDS = {
     ),
     "run": Command(
         "run",
-        "Run a scene, that is, a question about many states, one of ours or one of your own; store samples, "
-        "summary "
-        "and figures.",
+        "Run a scene (a question about many states), either one of ours or one of your own; store samples, "
+        "summary and figures.",
         _RUN,
     ),
     "status": Command("runs", "Say how far a stored run has got.", _STORED),

@@ -11,7 +11,7 @@ from explorer.phase.disk import Disk
 from explorer.scenes.options import DISK, FOLDER, NUMBER, TEXT, Options, option, whole_from
 
 
-class Asked(Options):
+class Paper(Options):
     """What is checked or drawn, and where it goes."""
 
     only: str | None = option(
@@ -28,38 +28,38 @@ class Asked(Options):
 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the options of `nearflat paper`."""
-    Asked.add_to(command)
+    Paper.add_to(command)
 
 
 def call(options: argparse.Namespace) -> Answer:
     """Check the statements, or one; or draw a figure."""
     from explorer.paper.pages import headline, line_of, paper
 
-    given = Asked.said(options)
-    asked = Asked.of(given)
-    if asked.figure is not None:
-        return _figure(asked, asked.figure, options.quiet)
+    given = Paper.said(options)
+    chosen = Paper.of(given)
+    if chosen.figure is not None:
+        return _figure(chosen, chosen.figure, options.quiet)
     for name in ("disk", "eta_hat"):
         if name in given:
             raise InputError(f"{name} {given[name]}: only with a figure; the statements are of the paper's bodies")
-    rows = paper(asked.out, only=asked.only, jobs=asked.jobs, quiet=options.quiet)
+    rows = paper(chosen.out, only=chosen.only, jobs=chosen.jobs, quiet=options.quiet)
     holding, lines = sum(row.passed for row in rows), list[str]()
-    for row in rows if asked.only is not None else ():
+    for row in rows if chosen.only is not None else ():
         lines.append(f"{row.statement.number} {row.statement.name}: {row.statement.text}")
         lines += map(line_of, row.findings)
     record = {"holding": holding, "failing": len(rows) - holding, "rows": [row.describe() for row in rows]}
     return Answer(record, "\n".join([*lines, *headline(rows)]), int(holding < len(rows)))
 
 
-def _figure(asked: Asked, number: int, quiet: bool) -> Answer:
+def _figure(chosen: Paper, number: int, quiet: bool) -> Answer:
     """One figure, and nothing else; the sign of a distance means nothing, since each figure has its own sides."""
     from explorer.paper.pages import one_figure
 
-    if asked.only is not None:
+    if chosen.only is not None:
         raise InputError("only and figure: give one of them")
-    eta_hat = ETA_HAT if asked.eta_hat is None else asked.eta_hat
+    eta_hat = ETA_HAT if chosen.eta_hat is None else chosen.eta_hat
     if eta_hat < 0.0:
         note(f"eta_hat {eta_hat:g}: the sign is left out; each figure shows its own sides of F", quiet)
     note(f"drawing figure {number}; the first time, kernels are compiled", quiet)
-    paths = one_figure(asked.out, number, asked.disk, positive("eta_hat", abs(eta_hat)))
+    paths = one_figure(chosen.out, number, chosen.disk, positive("eta_hat", abs(eta_hat)))
     return Answer({"files": [str(path) for path in paths]}, "\n".join(f"wrote {path}" for path in paths))

@@ -29,7 +29,7 @@ class Start(Options):
     disk: Disk = option(DISK, "as for run", default=Disk.uniform())
     sigma3_bar: float = option(NUMBER, "sigma3 at the vertical, in the units of the disk", required=True)
     eta_hat: float = option(
-        NUMBER, "distance beside the falling set, in the units of the disk; 0 is the fall itself", required=True
+        NUMBER, "distance from the falling set, in the units of the disk; 0 is the fall itself", required=True
     )
     phidot: float = option(
         Reader(partial(number, low=0.0), "X", "float | str"),

@@ -24,11 +24,12 @@ class RunPlan:
     accuracy : float
         Largest error: absolute of angles (rad), relative of times and tilts.
     model, method, reason : str
-        The model and the method that give the observables, and why.
+        What is computed to get the observables (as in `Passages`, or 'algebra': constants of motion alone), by
+        which method, and why.
     cost : str
         Work per sample in words.
     estimate : Estimate
-        Time (s), memory and room on the disk (bytes) of the run without pictures, measured on a few chunks.
+        Time (s), memory and storage (bytes) that the run needs without pictures, measured on a few chunks.
 
     Examples
     --------

@@ -32,7 +32,8 @@ class Drawn(Options):
     disk: Disk | None = option(
         DISK,
         "as for run",
-        words="uniform; for hero and film one with kappa = 2.5, which rises in opposite places on the two sides",
+        words="uniform; but the pictures hero and film show a disk with kappa = 2.5, which rises in opposite "
+        "places on the two sides of F",
     )
     only: str | None = option(
         Reader(partial(one_of, known=GROUPS), "GROUP", "str"),

@@ -28,7 +28,7 @@ class Coordinates(Options):
     energy: str | None = option(_VALUE, "energy, instead of phidot")
     sigma3_bar: str | None = option(_VALUE, "constant of motion, in the place of sigma3")
     sigma4_bar: str | None = option(_VALUE, "constant of motion, in the place of sigma4")
-    eta_hat: str | None = option(_VALUE, "distance beside the falling set, in the place of sigma4")
+    eta_hat: str | None = option(_VALUE, "distance from the falling set, in the place of sigma4")
     face: str | None = option(_VALUE, "the face, 1 or -1, to which tilt or eta_hat refers (default 1)")
     degrees: bool = option(TRUTH, "angles and rates are in degrees", default=False)
 
@@ -45,7 +45,7 @@ class Question(Coordinates):
     )
     count: int = option(
         whole_from(1),
-        "how many approaches to flat are followed; with 2 you see the smallest tilt on each face",
+        "how many approaches to flat are followed; 2 are enough for the smallest tilt on each face",
         default=1,
     )
     samples: int = option(

@@ -16,13 +16,13 @@ from explorer.motion.work_precision import Measured, Row, measure
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.paths import made_folder
 from explorer.phase.states import constants_to_states
-from explorer.scenes.options import DISK, FOLDER, RANGE, RANGES, Options, Reader, option, whole_from
+from explorer.scenes.options import DISK, RANGE, RANGES, Options, Reader, option, whole_from
 from explorer.scenes.race_angles import NearF, start_of
 from explorer.scenes.scene import joined
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT
 
 _REFERENCE = {
-    "passages": "quadrature along arcs at 1e-11, which uses none of the precomputed tables of the methods",
+    "passages": "another quadrature at 1e-11, which uses none of the precomputed tables of the methods",
     "motions": "rk8 with steps far finer than any accuracy needs",
 }
 _ABOUT = """Times are those of `passages` and `simulate`: processor time of one core, without compile time, the
@@ -45,7 +45,7 @@ class Trading(Options):
     # The time of fewer is mostly that of the call.
     samples: int = option(whole_from(256), "number of passages", default=4096)
     seed: int = option(whole_from(0, 2**128 - 1, "S"), "seed of the random streams", default=0)
-    box: Any = option(RANGES, BOX_NEAR_F, words="the numbers of the example, in natural units")
+    box: Any = option(RANGES, BOX_NEAR_F, words="phidot=0.5:2,sigma3=-2:2 in natural units")
     eta_hat: Range = option(
         RANGE,
         ETA_HAT,
@@ -54,7 +54,7 @@ class Trading(Options):
     )
     motions: int = option(
         whole_from(0),
-        "number of samples, counted from the first, whose motions in time are measured too; 0 for none",
+        "motions in time are measured too, for the first N samples; 0 for none",
         default=1024,
     )
     t_end: float | None = option(
@@ -78,12 +78,6 @@ class Trading(Options):
         first = {name: values[: self.motions] for name, values in drawn.items()}
         motions = through_time(constants_to_states(self.disk, **first), self.t_end)
         return [passages, motions] if self.motions else [passages]
-
-
-class Asked(Trading):
-    """Where it goes."""
-
-    out: Path = option(FOLDER, "folder", default=Path("results/trade"))
 
 
 @dataclass(frozen=True, repr=False)
@@ -120,12 +114,13 @@ class Trade:
         return "\n\n".join("\n".join([f"## {part.kind.capitalize()}", "", *_lines(part)]) for part in self.parts)
 
 
-def measured(asked: Trading) -> Trade:
+def measured(chosen: Trading) -> Trade:
     """What `ex.trade` returns. Raises InputError."""
     parts = [
-        measure(samples, lambda text: note(text, asked.progress is False)) for samples in asked.reference_samples()
+        measure(samples, lambda text: note(text, chosen.progress is False))
+        for samples in chosen.reference_samples()
     ]
-    return Trade(asked.scene, parts)
+    return Trade(chosen.scene, parts)
 
 
 def _lines(part: Measured) -> list[str]:
@@ -162,14 +157,14 @@ def write(found: Trade, out: Path, command: str) -> None:
 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the options of `nearflat trade`."""
-    Asked.add_to(command)
+    Trading.add_to(command)
+    command.add_argument("--out", metavar="DIR", type=Path, default=Path("results/trade"), help="folder")
 
 
 def call(options: argparse.Namespace) -> Answer:
     """Measure, and write the page."""
-    asked = Asked.of({**Asked.said(options), "progress": False if options.quiet else None})
-    made_folder("out", asked.out)
-    found = measured(asked)
-    write(found, asked.out, options.command_line)
+    made_folder("out", options.out)
+    found = measured(Trading.of({**Trading.said(options), "progress": False if options.quiet else None}))
+    write(found, options.out, options.command_line)
     record = {"scene": found.scene.options, "parts": [asdict(part) for part in found.parts]}
-    return Answer(record, f"{found}\n\nTables and picture are in {asked.out}.")
+    return Answer(record, f"{found}\n\nTables and picture are in {options.out}.")

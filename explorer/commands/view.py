@@ -21,7 +21,7 @@ class Page(Options):
         NUMBER, "sigma3 at the vertical, in the units of the disk", words="1 sqrt(g/r)"
     )
     eta_hat: float | None = option(
-        NUMBER, "distance beside the falling set, not 0; its sign is the side", words="0.001 sqrt(g/r)"
+        NUMBER, "distance from the falling set, not 0; its sign is the side", words="0.001 sqrt(g/r)"
     )
     phidot: float | None = option(NUMBER, "speed at the vertical towards the flat state", words="1 sqrt(g/r)")
     face: int | None = option(Reader(sign, "X", "int | str"), "flat state, 1 or -1", words="1")

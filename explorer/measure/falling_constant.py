@@ -188,12 +188,6 @@ def _check_known(density: Density, what: str, found: Integral) -> None:
     )
 
 
-def weight_on_f(disk: Disk, density: Density, tolerance: float) -> float:
-    """C times the integral of the density, at half the cost of C: for shares of C by energy."""
-    plus, minus, *both = (part.value for part in _over_f(disk, density, tolerance))
-    return plus + minus - sum(both)
-
-
 def _over_f(disk: Disk, density: Density, tolerance: float) -> list[Integral]:
     """Integrals over F on face +1, on face -1, and over what lies on both, if anything does."""
     box = density.box

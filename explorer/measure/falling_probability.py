@@ -6,7 +6,7 @@ of a ladder of delta and at each face. From these come estimates, fits, tests, a
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -19,7 +19,7 @@ from explorer.measure import laws, statistics
 from explorer.measure.box_integrals import Integrator
 from explorer.measure.density import Density
 from explorer.measure.distributions import Distribution
-from explorer.measure.falling_constant import FallingConstant, constant_of, weight_on_f
+from explorer.measure.falling_constant import FallingConstant, constant_of
 from explorer.measure.importance_sampling import Tube, smallest_tilts
 from explorer.measure.invariance import flow_stretch, push_forward
 from explorer.measure.laws import SHAPE_BINS, Estimate
@@ -33,13 +33,9 @@ LAW_LIMIT = 1e-4
 FEWEST_HITS = 50  # worth of equal weight in a rung; with fewer its interval is not to be trusted
 _NEAREST_FLAT = 0.01  # share of the box's distance from flat up to which the law may be tested
 _NARROWEST = 1e-3  # half-width of a tube over the narrowest width of the density, likewise
-_ENERGY_BINS = 6
-# The draws near F that say where the bins of energy end: how many, their stream, and their tilt (rad).
-_EDGE_DRAWS, _EDGE_STREAM, _EDGE_TILT = 4096, 1 << 40, 1e-8
 _MANY = 25  # plain hits, enough for a normal distribution
-_ROUGHLY = 1e-4  # relative error of the predicted shares of energies, below those of the draws
 # For the invariance of the measure: states, their stream, and a time in natural units.
-_FOLLOWED, _INVARIANCE, _LATER = 256, (1 << 40) + 1, 5.0
+_FOLLOWED, _INVARIANCE, _LATER = 256, 1 << 40, 5.0
 
 # Columns of `FallingProbability.batch`: arrays (rungs, 2 faces, batches, ...), face +1 first.
 Tubes = dict[str, Array]
@@ -110,18 +106,6 @@ class FallingProbability:
         return Integrator(self.disk, self.source.seen_from(self.disk, 1)).mass().value
 
     @cached_property
-    def energy_edges(self) -> Array:
-        """Inner edges of the bins of energy: quantiles of a few states near F; empty where there are none.
-
-        They are the same for all seeds, so that runs can be merged.
-        """
-        random = chunk_stream(0, _EDGE_STREAM)
-        both = [self.draw(face, _EDGE_TILT, random, _EDGE_DRAWS) for face in (1, -1)]
-        energies = np.concatenate([draws.energy[draws.weight > 0.0] for draws in both])
-        inner = np.arange(1, _ENERGY_BINS) / _ENERGY_BINS
-        return np.quantile(energies, inner) if energies.size > 10 * _ENERGY_BINS else np.zeros(0)
-
-    @cached_property
     def _tubes_drawn(self) -> dict[tuple[int, float], Tube]:
         """Tubes by face and tilt: their first draws serve all others."""
         return {}
@@ -159,15 +143,14 @@ class FallingProbability:
     def batch(self, rung: int, face: int, draws: Draws) -> dict[str, Any]:
         """What is kept of a batch of draws in a tube: of its hits the sums of weights, and of their squares.
 
-        By sign of eta_hat, by energy and by tilt: (2, bins).
+        By sign of eta_hat and by tilt: (2, bins).
         """
-        delta, edges = self.deltas[rung], self.energy_edges
+        delta = self.deltas[rung]
         hit = draws.weight * (draws.theta_min < delta)
         rows = np.flatnonzero(hit)
         tilt = (draws.theta_min[rows] / delta * SHAPE_BINS).astype(np.int64)
         splits = {
             "sign": (draws.eta_hat[rows] > 0.0, 2),
-            "energy": (np.searchsorted(edges, draws.energy[rows]), edges.size + 1),
             "tilt": (np.minimum(tilt, SHAPE_BINS - 1), SHAPE_BINS),
         }
         return {
@@ -277,7 +260,7 @@ class FallingProbability:
         return statistics.either_p(*(2.0 * scipy.stats.norm.sf(away)).tolist()) if many.any() else 1.0
 
     def _splits(self, tubes: Tubes, ladder: Estimate) -> dict[str, Any]:
-        """By face, sign of eta, energy, and tilt; all shares of the rungs of the law but for the sign of eta."""
+        """By face, sign of eta, and tilt; all shares of the rungs of the law but for the sign of eta."""
         unit = self.deltas[self.tested, None]
         faces = laws.total(self._mean(tubes)[self.tested], 1.0 / (unit * unit.size), axis=0)
         both = laws.total(faces)
@@ -286,7 +269,6 @@ class FallingProbability:
         return {
             "face_plus": {**plus.described(), "predicted": self.constant.plus / self.constant.value},
             "eta_positive": self._signs(tubes, ladder),
-            "energy": self._by_energy(tubes) if self.energy_edges.size else [],
             "tilt": self._by_tilt(tubes),
         }
 
@@ -313,17 +295,6 @@ class FallingProbability:
         share = bins / bins.sum()
         variance = own * (1.0 - 2.0 * share) + share**2 * own.sum()
         return share, np.sqrt(np.maximum(variance, 0.0)) / bins.sum()
-
-    def _by_energy(self, tubes: Tubes) -> list[dict[str, Any]]:
-        share, error = self._shares(tubes, "energy")
-        low, high = self.source.energy
-        below = [0.0]
-        for edge in self.energy_edges.tolist():
-            part = weight_on_f(self.disk, replace(self.source, energy=(low, edge)), _ROUGHLY)
-            below.append(part / (self.constant.value * self.constant.mass))
-        ends = [_finite(end) for end in (low, *self.energy_edges.tolist(), high)]
-        predicted = np.diff([*below, 1.0])
-        return _rows(energy_from=ends[:-1], energy_to=ends[1:], share=share, error=error, predicted=predicted)
 
     def _by_tilt(self, tubes: Tubes) -> dict[str, Any]:
         """theta_min / delta of the hits: uniform, if the density of theta_min is constant near 0."""
@@ -352,7 +323,3 @@ def _rows(**columns: Any) -> list[dict[str, Any]]:
     """One row of a table for each entry of its columns, ready for JSON."""
     lists = [column.tolist() if isinstance(column, np.ndarray) else column for column in columns.values()]
     return [dict(zip(columns, row, strict=True)) for row in zip(*lists, strict=True)]
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -80,8 +80,9 @@ def flow_stretch(states: States, steps: int = 200, step: float = 0.05) -> Stretc
     steps : int
         Number of integration steps, 1 or more.
     step : float
-        Size of a step of s, where dt = cos(phi) ds, so that time goes by slowly near flat; in units of 1/speed, up
-        to 1.
+        Size of an integration step, up to 1. Steps are equal in a variable s with dt = cos(phi) ds, so that they
+        are short in time near flat. The unit of s is 1/speed, where speed is an upper bound of the rates of the
+        motion.
 
     Returns
     -------
@@ -173,7 +174,8 @@ def push_forward(
     samples : int
         States in each sample.
     energy : float, optional
-        The largest energy of the states, an invariant set (units of the disk; by default 3 m g r).
+        Only states with at most this energy are drawn; they form an invariant set (units of the disk; by default 3
+        m g r).
     seed : int
         Of the draws.
 

@@ -60,8 +60,8 @@ class Probability:
     estimate : float
         The probability.
     interval : (float, float)
-        It lies between these with a confidence of 95 %. After plain draws without a hit the lower one is 0, and
-        the upper one is a bound of one side (Clopper-Pearson).
+        It lies between these with a confidence of 95 %. If the event happens in none of the plain draws, the lower
+        end is 0, and the upper end is a one-sided bound (Clopper-Pearson).
     effective_samples : float
         Number of hits of equal weight that would give the same precision; for plain draws, the number of hits.
     law : Law or None
@@ -128,8 +128,8 @@ def probability(
         Needs I3 > 0.
     event : (str, float) or callable
         ("theta_min", delta): the tilt becomes smaller than delta (rad). Or a function of `Bounces` that returns a
-        bool for each state, or for each state and bounce: then any of its bounces counts. For motions that fall,
-        theta_min is 0, and the other columns are NaN or 0.
+        bool for each state, or for each state and bounce; then a state counts if this is True for at least one of
+        its bounces. For motions that fall, theta_min is 0, and the other columns are NaN or 0.
     count : int
         Within how many bounces. The tilt is periodic: bounces of one state have at most two theta_min, one on each
         face, so two bounces give all values of theta_min.
@@ -138,7 +138,8 @@ def probability(
     accuracy : float
         As for `bounces`; for theta_min it is relative. 1e-13 to 0.1.
     samples : int
-        Plain draws. Beside the falling set an eighth as many are made at each face, and 4,096 at least.
+        Number of plain draws, from the whole distribution. Close to the falling set an eighth as many are drawn
+        for each face, but at least 4,096.
     rng : int, SeedSequence or Generator
         Where random numbers come from; the same int gives the same numbers.
     **coordinates
@@ -163,7 +164,7 @@ def probability(
     -----
     Draws that are not states, such as a negative tilt, are left out of the distribution. If plain draws see at
     least 100 hits, they are the answer, with the exact interval of Clopper and Pearson. Otherwise the probability
-    of theta_min < delta is estimated from weighted draws beside the falling set, on both faces; a state that is
+    of theta_min < delta is estimated from weighted draws near the falling set, on both faces; a state that is
     beside both lines counts once. C delta is the limit for small delta; with count = 2 its C is that of
     `falling_constant`. It does not hold if many of the initial states are already as near flat as delta.
 

@@ -141,9 +141,10 @@ def law_rows(disk: Disk, found: LogHistogram) -> list[dict[str, Any]]:
 def race_law(
     disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike, impact_speed: ArrayLike
 ) -> list[dict[str, Any]]:
-    """The constant of the race law for your own race angles, by |eta|, as the picture race-deviation shows it.
+    """The constant c of the race law for your own race angles, by |eta|, for the picture race-deviation.
 
-    By the law, race angles are off side times kappa pi by a constant times |eta| ln(1/|eta|).
+    Near F a race angle is side (kappa pi + K |eta| (ln(1/|eta|) - c)), natural units. K = 2 m g r/(I1 M A^3), with
+    M = I1 + m r^2 and the impact speed A; c differs from passage to passage.
 
     Parameters
     ----------
@@ -156,7 +157,7 @@ def race_law(
     Returns
     -------
     list of dict
-        By increasing |eta|: eta (natural units), eta_hat, passages, and quantiles of the constant.
+        By increasing |eta|: eta (natural units), eta_hat, passages, and quantiles of c.
 
     Raises
     ------

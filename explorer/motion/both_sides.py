@@ -49,7 +49,7 @@ def sample_times(limit: LimitMotion) -> tuple[Array, int]:
 
 @dataclass(frozen=True, repr=False)
 class BothSides:
-    """Motions beside one point of F and both limits, on one time axis, in the units of the disk.
+    """The motions on both sides of a point of F, and their two limits, on one time axis, in the units of the disk.
 
     Attributes
     ----------

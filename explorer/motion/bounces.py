@@ -49,12 +49,13 @@ class Bounces(Result):
     delta_chi, delta_psi : array
         Increase of the angles of contact over the stretch (rad).
     fall_angle : array
-        Increase of chi along the limit motion with the same sigma3_bar and energy, over its own stretch (rad).
-        NaN where that motion does not exist: E <= V_0, so that the disk could not come flat.
+        Increase of chi, without its jump, along the limit motion with the same sigma3_bar and energy, over a
+        stretch of that motion (rad). NaN where that motion does not exist: E <= V_0, so that the disk could not
+        come flat.
     race_angle : array
         delta_chi - fall_angle (rad); NaN where fall_angle is.
     duration : array
-        Duration of the passage, bounce or window.
+        Duration of the stretch.
     error_estimate : array
         The largest of the errors of the angles (rad), of the duration and of theta_min (relative), and of the time
         to the flattest moment (relative; in periods of the motion if that time is shorter than one period).
@@ -100,8 +101,8 @@ def bounces(
     Parameters
     ----------
     states : States
-        One state of each motion, at any moment of it; the disk needs I3 > 0. An eta_hat that was given, as to
-        `constants_to_states`, is used as given, however small.
+        One state of each motion, at any moment of it; the disk needs I3 > 0. If eta_hat was given, to
+        `constants_to_states` for instance, it is used as given, however small.
     count : int
         How many bounces of each, 1 to 100,000.
     accuracy : float
@@ -116,8 +117,9 @@ def bounces(
     Returns
     -------
     Bounces
-        Arrays with the shape of `states` and a last axis for the bounces. A state on F to rounding has the
-        status FALLS, or UNRESOLVED_SIDE if its side is unknown.
+        Arrays with the shape of `states` and a last axis for the bounces. A state that lies on F to within
+        rounding has the status FALLS. If it lies beside F, but so near that rounding hides its side, the status is
+        UNRESOLVED_SIDE.
 
     Raises
     ------
@@ -129,11 +131,12 @@ def bounces(
     The tilt is periodic: the bounces of one state have at most two different theta_min, one on each face, so two
     bounces give all that there is to know about the tilt.
 
-    race_angle = delta_chi - fall_angle, where fall_angle is the increase of chi along the limit motion with the
-    same sigma3_bar and energy, over one stretch of that limit motion: from the vertical to flat and back if it
-    crosses the vertical, else from a turning point to flat and back to a turning point. So race_angle -> side
-    kappa pi as eta -> 0, eq. (7.9). If the energy does not exceed V_0, there is no limit motion, and both are NaN.
-    The bounces of a period add up to eqs (3.12), (3.13).
+    race_angle = delta_chi - fall_angle, where fall_angle is the increase of chi, without its jump at the impact,
+    along the limit motion with the same sigma3_bar and energy, over one stretch of that motion: from the vertical
+    to flat and back if it crosses the vertical, else from a turning point to flat and back to a turning point. So
+    race_angle -> side kappa pi as eta -> 0, eq. (7.9). If the energy does not exceed V_0, the value of V at flat
+    where eta = 0, the disk cannot come flat: there is no limit motion, and race_angle and fall_angle are NaN. The
+    sums of duration, delta_chi and delta_psi over the bounces of a period are the integrals (3.12), (3.13).
 
     Examples
     --------

@@ -91,7 +91,8 @@ def compare(
     Returns
     -------
     Comparison
-        The bounces and times by method, and the `differences` of a column; printed, one line for each method.
+        The bounces and times by method. Its method `differences` compares the methods in one column. If you print
+        it, you get one line for each method.
 
     Raises
     ------

@@ -78,8 +78,8 @@ class LimitMotion:
     """The one-sided continuation of a motion on F through all its impacts; call it with times.
 
     If sigma3_bar = sigma4_bar = 0 and the energy is above m g r, the disk swings over the vertical, as a pendulum,
-    and falls to both flat states in turn. If this motion is approached with sigma3_bar kept at 0, eta has opposite
-    signs on the two faces, so that chi jumps to and fro while psi always jumps the same way.
+    and falls to both flat states in turn. If the motions that approach this pendulum also have sigma3_bar = 0,
+    their eta has opposite signs on the two faces: chi then jumps to and fro, and psi always jumps the same way.
 
     Attributes
     ----------
@@ -198,7 +198,7 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     Parameters
     ----------
     state_on_f : States
-        One state on F, of a disk with I3 > 0. An eta_hat up to 1e-12 of its rates is taken for rounding.
+        One state on F, of a disk with I3 > 0. An eta_hat up to 1e-12 times the rates of the state counts as 0.
     side : int
         Sign of eta from which F is approached, +1 or -1.
 

@@ -49,8 +49,9 @@ class Passages(Result):
     delta_chi, delta_psi : array
         Increase of the angles of contact in space and in the body (rad).
     fall_angle : array
-        Increase of chi along the limit motion with the same sigma3_bar and energy (rad): from the vertical to flat
-        and back, or, if that motion turns before the vertical, from its turning point to flat and back.
+        Increase of chi, without its jump, along the limit motion with the same sigma3_bar and energy (rad): from
+        the vertical to flat and back, or, if that motion turns before the vertical, from its turning point to flat
+        and back.
     theta_min : array
         Smallest tilt from flat (rad).
     duration, fall_time : array
@@ -64,7 +65,8 @@ class Passages(Result):
     status : array of int8
         `Status` of each sample.
     method, model : str
-        The method that answered, and the level of the model it stands on.
+        The method that answered, and what it computes: 'quadrature' for integrals, 'reduced' for phi, phidot,
+        sigma3 and sigma4 in time, 'angles' with chi and psi too, 'path' with the path too.
 
     Examples
     --------
@@ -138,7 +140,7 @@ def passages(
         'auto' or 'quadrature', or 'rk4', 'rk8', 'dopri5', 'dop853', which project each step onto the constants,
         and say UNRESOLVED_SIDE if their error hides the direction of the race.
     accuracy : float
-        Of angles (rad), or their 14th digit if that is larger; relative for times and theta_min.
+        Largest error: of angles in rad (or their 14th digit, if that is larger), of times and theta_min relative.
     jobs : int
         Threads.
 

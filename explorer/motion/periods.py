@@ -41,9 +41,9 @@ class Periods(Result):
     energy : array
         Energy.
     error_estimate : array
-        The largest of the errors of the angles (rad), of the period and of theta_min (relative). Near F theta_min
-        is only known as well as `eta_hat` is: to some 1e-16 if that follows from a state in doubles, better if it
-        is given.
+        The largest of the errors of the angles (rad), of the period and of theta_min (relative). Near F, theta_min
+        is known only as well as eta_hat: to some 1e-16 if eta_hat is computed from a state in doubles, and better
+        if eta_hat is given.
     status : array of int8
         `Status` of each state.
     states : States

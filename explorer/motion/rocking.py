@@ -35,7 +35,7 @@ class Rocking:
     disk : Disk
         The body.
     excess : array
-        (E - V_0)/(3/2 m g r theta_0) as the motion has it, 1 at the bottom.
+        (E - V_0)/(3/2 m g r theta_0), computed from the motion; it is 1 at the bottom of the well.
     chi : array
         Turn of the contact point per bounce (rad).
     theta_min : array
@@ -76,8 +76,9 @@ def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HA
     excess : array_like, optional
         Energies, (E - V_0)/(3/2 m g r theta_0): above 1, which is the bottom of the well; by default up to 1e4.
     eta_hat : float
-        Units of the disk; not 0, and small enough for the tilts to stay below 0.1 rad. sigma3_bar is then of the
-        size of eta_hat ln(eta_hat), and the limit curve does not depend on it.
+        Units of the disk; not 0, and small enough for the tilts to stay below 0.1 rad. The motions have a
+        sigma3_bar of the size of eta_hat ln(eta_hat). As eta_hat goes to 0, their curve of chi against excess
+        tends to a limit.
 
     Returns
     -------

@@ -40,15 +40,16 @@ class Scan(Table):
     """Observables of states, arrays with their shape: what `scan` returns.
 
     Index it by the name of an observable, or like an array to get some of the states. If it has only one
-    observable, numpy takes it as an array. `save` stores it, and picture observable draws it.
+    observable, numpy takes it as an array. `save` stores it, and `ex.picture("observable", found)` draws it.
 
     Attributes
     ----------
     states : States
         What was scanned.
     values : dict of arrays
-        The observables by name: that of the observable, of the function, or of what the function returned. If an
-        array has more axes than the states, these hold the several numbers of each state.
+        The observables by name. The name is that of the observable or of the function, or the key of the dict that
+        the function returned. If an array has more axes than the states, the additional axes hold the several
+        numbers of each state.
 
     Examples
     --------
@@ -105,9 +106,9 @@ def scan(states: States, observable: Observable, jobs: int = 1, batch: int = BAT
         The states, for instance of `phi_to_states`, `rates_to_states` or `coordinates_to_states`.
     observable : str, several, or callable
         Names: sigma3_bar, sigma4_bar, eta_hat_plus, eta_hat_minus, energy, face, distance, could_fall, on_f,
-        theta_min, period, chi and psi (per period), crosses, and race_angle, delta_chi, fall_angle, side, time of
-        the next approach to flat. Or a function f(batch) of `States` that returns an array with one entry for
-        each state, or a dict of such arrays; it may call `constants`, `bounces`, `simulate` and so on.
+        theta_min, period, chi and psi (per period), crosses, and, of the next approach to flat, race_angle,
+        delta_chi, fall_angle, side and time. Or a function f(batch) of `States` that returns an array with one
+        entry for each state, or a dict of such arrays; it may call `constants`, `bounces`, `simulate` and so on.
     jobs : int
         Threads; the function is then called in no particular order.
     batch : int

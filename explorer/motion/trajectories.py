@@ -48,12 +48,13 @@ class Trajectories:
     Attributes
     ----------
     t : (n, nt) or (nt,) array
-        Times. Without t_eval each motion has its own, `lengths` of them; the rest of its row repeats the end, in
-        all arrays, so that it can be drawn as it is. With t_eval, the times in it.
+        Times. Without t_eval each motion has its own times; `lengths` says how many. The rest of its row repeats
+        the last one, and all other arrays repeat their last value, so that whole rows can be drawn. With t_eval,
+        the times given there.
     phi : (n, nt) array or None
-        Tilt (rad), -pi/2 to pi/2, 0 at the vertical.
+        Angle to the vertical (rad), -pi/2 to pi/2.
     tilt : (n, nt) array or None
-        Angle from flat (rad), 0 on face +1 to pi on face -1, with all digits of a small one.
+        Angle from flat (rad), from 0 on face +1 to pi on face -1. Small angles keep all their digits.
     phidot, sigma3, sigma4 : (n, nt) array or None
         Rates of eq. (2.14), units of the disk.
     chi, psi : (n, nt) array or None
@@ -75,7 +76,7 @@ class Trajectories:
         was asked are followed again by finer steps. Where the constants show nothing, as with I3 = 0, in fast
         spins and after many periods, two runs are compared.
     lengths : (n,) array of int
-        How many times of its row each motion has; 0 where the status is not OK.
+        Number of times in the row of each motion; 0 where the status is not OK.
     t_end : float
         The last time at which it can be called.
     states : States
@@ -224,8 +225,9 @@ def simulate(
 ) -> Trajectories:
     """Follow motions in time from their initial states, at times as dense as each motion needs.
 
-    Each step is projected onto sigma3_bar and eta, and once per swing onto the energy, whose change is reported as
-    an error. An eta_hat that was given is kept, down to 1e-300. A state on the falling set has the status FALLS.
+    After each step the state is projected back onto sigma3_bar and eta; onto the energy it is projected once per
+    swing, and the change of the energy is reported as an error. An eta_hat that was given is kept, down to 1e-300.
+    A state on the falling set has the status FALLS.
 
     Parameters
     ----------
@@ -240,8 +242,9 @@ def simulate(
     method : str
         'auto' (the cheaper adaptive pair), 'rk4', 'rk8', 'dopri5' or 'dop853'.
     accuracy : float
-        Error of angles (rad) and path (in r) per passage, a time of about 2 sqrt(r/g), 1e-11 to 0.1. Over k
-        passages it grows like k. Inside a race it is the error of the time at which the race happens.
+        Largest error, 1e-11 to 0.1, of angles (rad) and path (in r) in one passage, which takes about 2 sqrt(r/g).
+        Over k passages it grows like k. During a race the angles may err by more: there it bounds the error of the
+        time at which the race happens.
     chi0 : float
         Contact angle at the start (rad), -1e4 to 1e4.
     max_steps : int
@@ -257,7 +260,8 @@ def simulate(
     Raises
     ------
     InputError
-        For arguments that cannot be used, and where the motions need more than 4 million times.
+        For arguments that cannot be used, and if the motions would have to be recorded at more than 4 million
+        points of time.
 
     Warns
     -----

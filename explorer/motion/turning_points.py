@@ -45,13 +45,14 @@ def turning_points(states: States, how: Plan, tilts_only: bool = False) -> Turni
 
     tilts_only: nothing else is asked for; a slow way over the vertical amplifies errors of the time and angles.
     """
-    amplified = np.ones(len(states))
-    if not tilts_only:
-        amplified = precision.amplification(precision.speed_at_vertical(states.disk, states.motion))
     given = integration.InitialValues(
         *(states.disk, how, states.natural, states.motion, status_at_start(states)),
         np.full(len(states), how.control),
-    ).finer(precision.less_where_amplified(how, amplified))
+    )
+    amplified = np.ones(len(states))
+    if not tilts_only:
+        amplified = precision.amplification(precision.speed_at_vertical(states.disk, states.motion))
+        given = given.finer(precision.less_where_amplified(how, amplified))
 
     def estimate(found: integration.Followed, rows: Any) -> Array:
         ended = found.out[:, 0].T

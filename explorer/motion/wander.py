@@ -40,8 +40,8 @@ class Wander:
     radius : array
         Of the circle on which the centre lies after each period, |step|/(2 |sin(chi/2)|); infinite at a resonance.
     status : array of int8
-        `Status` of each motion, of its period or else of its integration; where it is not OK, the other columns
-        are NaN.
+        `Status` of each motion: that of its period or, if that is OK, that of its integration. Where it is not OK,
+        the other columns are NaN.
 
     Examples
     --------
@@ -115,7 +115,7 @@ def wander(states: States) -> Wander:
 def resonance(
     disk: Disk, eta_hat: float, phidot: float, turns: int, between: tuple[float, float]
 ) -> tuple[float, States]:
-    """The motion that walks away over the table: its sigma3_bar, at which chi turns by whole turns in a period.
+    """The sigma3_bar at which chi turns by whole turns in a period, so that the disk walks away over the table.
 
     Parameters
     ----------

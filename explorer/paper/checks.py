@@ -18,7 +18,7 @@ PLANAR = (UNIFORM, HOOP, MATCHING)
 BODIES = (*PLANAR, THICK)
 # The same bodies, but the thick one has units of its own, so that a forgotten m, r or g shows.
 WITH_UNITS = (*PLANAR, Disk(m=2.0, r=0.5, g=9.81, I1=0.25, I3=0.15, name="thick"))
-OF_BODIES = "uniform, hoop, mr²/I₁ = 3, thick"
+OF_BODIES = "four bodies (uniform, hoop, mr²/I₁ = 3, thick)"
 ROUNDING = "rounding of some dozen operations"
 EXACT = 1e-11  # accuracy of the passages that statements compare with: as exact as they are known
 SOLVER = "two integrations at relative tolerance 1e-11 and 1e-12"

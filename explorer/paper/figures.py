@@ -38,7 +38,7 @@ INFERRED = (
     f"the ticks of its Fig. 7 allow {CHI0_FITS[0]:g} to {CHI0_FITS[1]:g}.",
     "Fig. 1: the length is described in the paper as somewhat more than three periods.",
     "Figs. 2, 4, 5: the right part shows the same window as Fig. 3, whose ticks are known.",
-    "Figs. 6 to 9: the length is inferred from Fig. 7, whose ticks exclude 3.4 periods.",
+    "Figs. 6 to 9: the length, 3 periods, is inferred from Fig. 7. Its ticks do not fit 3.4 periods.",
 )
 
 
@@ -146,10 +146,11 @@ _CHI = (
     "by κπ (κ = {kappa}): up on one side of F, down on the other."
 )
 _AXIS = (
-    "The axis of {body}, the unit vector v = A e₃, projected onto the table, over {turns} periods, with "
-    "η̂₊ = {signed}. Left: the whole path. Right: its middle, enlarged. The path starts on the circle of radius 1, "
-    "where the disk is upright, and comes in to the origin, where it is nearly flat. There it turns by κπ "
-    "(κ = {kappa}) about the origin, and then it leaves. It is dashed where v₃ < 0."
+    "The axis of {body}, a unit vector that the paper calls v, projected onto the table, over {turns} periods, "
+    "with η̂₊ = {signed}. Left: the whole path. Right: its middle, enlarged. The path starts on the circle of "
+    "radius 1, where the disk is upright, and comes in to the origin, where it is nearly flat. There it turns by "
+    "κπ (κ = {kappa}) about the origin, and then it leaves. It is dashed where v₃, the vertical component, is "
+    "negative."
 )
 _CENTRE = (
     "The path of the centre of mass of {body} seen from above, over {turns} periods, " + _OF_SIDES + ". At the "

@@ -179,7 +179,7 @@ def figures_page() -> str:
         "to the falling set F:",
         "`nearflat paper --figure 8 --disk annulus:0.4 --eta-hat 3e-3`.",
         "",
-        "All motions start upright with σ₂ = σ₃ = 1, in units m = r = g = 1.",
+        "All motions start upright with σ₂ = σ₃ = 1, in units m = r = g = 1. For an upright disk, σ₂ is φ̇.",
         *INFERRED,
     ]
     for number, plan in FIGURES.items():

@@ -100,7 +100,7 @@ def constraints() -> Iterator[Finding]:
 
     height, speed = worst(gaps)
     why = "relative tolerance 1e-12 over some hundred steps"
-    yield near(f"|a₃ − r cos φ|/r along motions in 8 dimensions: {OF_BODIES}", height, 0.0, 1e-10, why)
+    yield near(f"|a₃ − r cos φ|/r along motions in 8 dimensions, {OF_BODIES}", height, 0.0, 1e-10, why)
     text = "speed of the body point in contact: path of the explorer, differentiated; rotation by (2.12)"
     why = "a derivative of degree 39 multiplies the path's 1e-11 by less than 39²"
     yield near(text, speed, 0.0, 1e-8, why)
@@ -146,7 +146,7 @@ def energy() -> Iterator[Finding]:
 
     relative = worst(lambda disk: constants_error(disk, tumble(disk)[0]))
     lifted = plain.integrate(_lifted(UNIFORM), sample(UNIFORM), tumble(UNIFORM)[0].t)
-    text = f"relative change of E along motions in 8 dimensions: {OF_BODIES}; as printed, gravity pulls up"
+    text = f"relative change of E along motions in 8 dimensions, {OF_BODIES}; as printed, gravity pulls up"
     yield near(text, relative, 0.0, 1e-10, "rtol 1e-12", {"(2.12), last term": constants_error(UNIFORM, lifted)})
 
 
@@ -173,7 +173,7 @@ def equivariance() -> Iterator[Finding]:
         return fields, distance(moved(ends[0]), ends[1]) / max(1.0, disk.rate_unit)
 
     fields, ends = worst(gaps)
-    text = f"the vector field before and after a motion of plane and body: {OF_BODIES}"
+    text = f"the vector field before and after a motion of plane and body, {OF_BODIES}"
     yield near(text, fields, 0.0, 1e-13, ROUNDING)
     yield near("states after two units of time", ends, 0.0, 1e-9, "two integrations at 1e-12, errors grown")
     times, turn = np.linspace(0.0, 2.0, 9), plain.turn(3, 0.8)

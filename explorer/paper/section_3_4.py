@@ -61,7 +61,7 @@ def chaplygin_equations() -> Iterator[Finding]:
         assert np.all(np.diff(z) > 0.0)  # one leg, so sigma_1 may be the variable
         return distance(_along(disk, z, np.array([s3[0], s4[0]])), [s3, s4]) / disk.rate_unit
 
-    text = f"(3.1) integrated in σ₁, minus σ₃, σ₄ of the motion in 8 dimensions: {OF_BODIES}"
+    text = f"(3.1) integrated in σ₁, minus σ₃, σ₄ of the motion in 8 dimensions, {OF_BODIES}"
     yield near(text, worst(gap), 0.0, 1e-10, SOLVER)
     z, y = np.linspace(-0.3, 0.9, 13), np.array([0.7, -0.4])
     solution = _along(UNIFORM, z, y)
@@ -94,7 +94,7 @@ def constants_of_motion() -> Iterator[Finding]:
         return distance(columns, columns[:, :1]), distance(columns[:, 0], start)
 
     moved, apart = worst(errors)
-    text = f"constants error of the explorer along the motion in 8 dimensions: {OF_BODIES}"
+    text = f"constants error of the explorer along the motion in 8 dimensions, {OF_BODIES}"
     yield near(text, moved, 0.0, 1e-10, "rtol 1e-12 over some hundred steps")
     text = "the explorer's constants of a state less (3.1) integrated to σ₁ = 0"
     yield near(text, apart, 0.0, 1e-12, "rtol 1e-13 over some ten steps")
@@ -168,7 +168,7 @@ def period() -> Iterator[Finding]:
         return [swung, abs(by_explorer / tau - 1.0), distance(legs, times) / unit]
 
     swung, whole, legs = worst(gaps)
-    text = f"(3.13) less the time between turning points of (2.15)–(2.18), relative: {OF_BODIES}"
+    text = f"(3.13) less the time between turning points of (2.15)–(2.18), relative, {OF_BODIES}"
     yield near(text, swung, 0.0, 1e-10, "rtol 1e-12, events located in its interpolant")
     text = "(3.13) less the explorer's period, relative"
     yield near(text, whole, 0.0, 1e-11, "E − V cancels by three digits at the outer nodes")
@@ -190,7 +190,7 @@ def periodic() -> Iterator[Finding]:
         return distance(sigma[1], sigma[0]) / max(1.0, disk.rate_unit), distance(phi, phi[::-1])
 
     later, mirrored = worst(gaps)
-    text = f"σ of the motion in 8 dimensions one period (3.13) later: {OF_BODIES}"
+    text = f"σ of the motion in 8 dimensions one period (3.13) later, {OF_BODIES}"
     yield near(text, later, 0.0, 1e-9, "rtol 1e-12, grown over one period")
     text = "φ(t₊ + s) − φ(t₊ − s) of the explorer's motion, t₊ from (2.15)–(2.18)"
     yield near(text, mirrored, 0.0, 1e-9, "accuracy 1e-11, time of the turn known to 1e-11")

@@ -164,7 +164,7 @@ def wronskian() -> Iterator[Finding]:
         return distance(w, w[0]), distance(w[0], start), distance(w[0] / unit, 1.0)
 
     change, apart, ratio = worst(gaps)
-    text = f"change of w along the motion in 8 dimensions, r by (5.1): {OF_BODIES}"
+    text = f"change of w along the motion in 8 dimensions, r by (5.1), {OF_BODIES}"
     yield near(text, change, 0.0, 5e-10, "rtol 1e-12 over some hundred steps, times r′")
     text = "w less Y r(0) − X r′(0), X and Y by the explorer, r(0), r′(0) by (5.11), (5.12)"
     yield near(text, apart, 0.0, 1e-13, ROUNDING)
@@ -196,7 +196,7 @@ def logarithm() -> Iterator[Finding]:
         slope = np.diff(ours[1])[-1] / np.diff(depth)[-1]
         return largest([distance(ours, wanted), abs(slope - 0.5 * c * at_vertical(c)[0].real)])
 
-    text = f"σ₃, σ₄ of the explorer beside flat less (3.1) integrated in the logarithm: {OF_BODIES}"
+    text = f"σ₃, σ₄ of the explorer beside flat less (3.1) integrated in the logarithm, {OF_BODIES}"
     yield near(text, worst(gap), 0.0, 1e-9, "rtol 1e-12; ln(1e-12) = −28")
 
 
@@ -233,7 +233,7 @@ def gammas() -> Iterator[Finding]:
     def gap_of(disk: Disk) -> float:
         return distance([disk.body.r0, disk.body.dr0] / np.real(at_vertical(parameters(disk).c)), 1.0)
 
-    text = f"r(0), r′(0) that the explorer uses over (5.11), (5.12), less 1: {OF_BODIES}"
+    text = f"r(0), r′(0) that the explorer uses over (5.11), (5.12), less 1, {OF_BODIES}"
     yield near(text, worst(gap_of), 0.0, 1e-14, _GAMMA)
 
 

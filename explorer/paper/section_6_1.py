@@ -81,8 +81,8 @@ def _rest_of_the_barrier(disk: Disk, face: int, eta: float) -> Iterator[Finding]
     slope, level = np.polyfit(logs, sigma[1], 1)
     want = J * slope * level + c * eta**2 / (4.0 * disk.I1)
     text = (
-        f"{where} growth with ln(1∓σ₁) of D, which is V minus the other terms of (6.7), divided by the "
-        "growth that follows from σ₄ and (3.8); as printed, D does not grow"
+        f"{where} let D be V minus the other terms of (6.7): slope of D against ln(1∓σ₁), divided by the slope "
+        "that follows from σ₄ and (3.8); as printed, D does not grow"
     )
     yield near(text, np.polyfit(logs, rest, 1)[0] / want, 1.0, 5e-3, "terms S ln²S", {"(6.7)": 0.0})
 
@@ -185,5 +185,6 @@ def slope_at_flat() -> Iterator[Finding]:
             yield at_most(text, fall, 0.0, "a sign", off)
             tilts = np.geomspace(1e-5, 1e-4, 10)
             order = exponent(_depth(tilts), V.deriv()(tilts) / np.sin(tilts))
-            text = f"{disk.name}, face {face:+d}: exponent in 1∓σ₁ of dV/dσ₁, the last term of (6.8); printed 1/2"
+            where = f"{disk.name}, face {face:+d}"
+            text = f"{where}: exponent of 1∓σ₁ in the last term of dV/dσ₁, by (6.8); printed 1/2"
             yield near(text, order, -0.5, 1e-3, _FIT, {"(6.8)": 0.5})

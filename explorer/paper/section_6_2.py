@@ -110,7 +110,7 @@ def codimension_one() -> Iterator[Finding]:
         slope, constant = laws.fit_slope(deltas, ladder), laws.fit_constant(deltas, ladder)
         why = f"four standard errors of {draws} draws per δ and face"
         yield near(f"{disk.name}: slope of ln P in ln δ, δ = 1e-3 to 1e-7", slope.value, 1.0, 4 * slope.error, why)
-        yield near(f"{disk.name}: C by draws beside F", constant.value, C.value, 4 * constant.error, why)
+        yield near(f"{disk.name}: C by draws near F", constant.value, C.value, 4 * constant.error, why)
         lot = Box.default(disk).draw(random, 100_000)
         hits = int((falls_of(phi_to_states(disk, **lot)).status == compiled.status.Status.FALLS).sum())
         yield near(f"{disk.name}: exact falls in 10⁵ plain draws (so P < 3e-5)", hits, 0, 0.0, "a count")

@@ -54,9 +54,13 @@ COLUMNS = {
     "tilt_rate": Column("Rate of the tilt, positive where the disk rises.", RATE),
     "precession": Column("Rate at which the contact point turns about the vertical.", RATE, "(2.14)"),
     "spin": Column("Angular velocity about the disk's own axis, sigma4.", RATE, "(2.14)"),
-    "sigma3_bar": Column("Constant of motion: sigma3 continued to the vertical.", RATE, "(3.5)"),
-    "sigma4_bar": Column("Constant of motion: sigma4 continued to the vertical.", RATE, "(3.5)"),
-    "eta_hat": Column("Signed distance to the line of the column `face`: eta / (I3 r(0)).", RATE, "(6.2)"),
+    "sigma3_bar": Column("Constant of motion: what sigma3 is, or would be, at the vertical.", RATE, "(3.5)"),
+    "sigma4_bar": Column("Constant of motion: what sigma4 is, or would be, at the vertical.", RATE, "(3.5)"),
+    "eta_hat": Column(
+        "Signed distance along sigma4_bar to l_+ or l_-, the line of that face which the column `face` gives.",
+        RATE,
+        "(6.2)",
+    ),
     "eta_hat_plus": Column("Signed distance to the line l_+, on which the disk falls on face +1.", RATE, "(6.2)"),
     "eta_hat_minus": Column("Signed distance to the line l_-, on which the disk falls on face -1.", RATE, "(6.2)"),
     "eta_plus": Column("eta_hat_plus times I3 r(0).", "mass length^2 rad/time", "(6.2)"),
@@ -68,8 +72,8 @@ COLUMNS = {
     ),
     "side": Column("Sign of eta on `face`: the side of the falling set on which the motion is.", kind=SIGN),
     "distance": Column(
-        "Of a state: signed distance of its (sigma3_bar, sigma4_bar) to the nearer of l_+ and l_-. In one-sided: "
-        "the largest of the distances to the limit motion, in natural units.",
+        "Of a state: signed distance of its (sigma3_bar, sigma4_bar) to the nearer of l_+ and l_-. In the scene "
+        "one-sided: the largest of the distances to the limit motion, in natural units.",
         RATE,
         "(6.2)",
     ),
@@ -128,7 +132,9 @@ COLUMNS = {
     "rounding": Column("Order of magnitude of the rounding error of the determinant."),
     # scenes
     "delta": Column(
-        "The delta of P(theta_min < delta), which the draw serves to estimate; NaN for plain draws.", ANGLE
+        "Of a draw near F: the delta whose P(theta_min < delta) this draw is used to estimate. NaN for plain "
+        "draws, from the whole box.",
+        ANGLE,
     ),
     "weight": Column("Weight of the draw relative to a plain draw: density times the volume it represents."),
     "base": Column("Index of the state on F near which the motion starts.", kind=COUNT),

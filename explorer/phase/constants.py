@@ -26,7 +26,8 @@ class Constants(Result):
         Signed distance of (sigma3_bar, sigma4_bar) from the lines ``l_+`` and ``l_-``, measured along sigma4_bar,
         units of the disk, eq. (6.2); NaN where I3 = 0.
     eta_plus, eta_minus : array
-        eta_hat_plus and eta_hat_minus, multiplied by I3 r(0).
+        eta_hat_plus and eta_hat_minus, multiplied by I3 r(0), where r(phi) is a function of the paper, eq. (5.11),
+        not the radius.
     energy : array
         Energy, eq. (2.19).
     status : array of int8

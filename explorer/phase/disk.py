@@ -37,9 +37,9 @@ UNITS = {
     "m": (1.0, ("r",)),
 }
 SYNTAX = (
-    f"{', '.join(PRESETS)} (whose limit motions on the two sides of F agree) or annulus:INNER_OVER_OUTER, each "
-    "with its numbers if you like, as in uniform:m=..,r=..,g=..; FILE.toml; or "
-    '"m=..,r=..,g=..,I1=..,I3=..", where I3=flat means 2 I1. '
+    f"a name, a file or numbers. Names are {', '.join(PRESETS)} (whose limit motions on the two sides of F agree) "
+    "and annulus:INNER_OVER_OUTER; numbers may follow a name, as in uniform:m=..,r=..,g=... A file is FILE.toml. "
+    'Numbers alone are "m=..,r=..,g=..,I1=..,I3=..", where I3=flat means 2 I1. '
     f"A number may have a unit ({', '.join(UNITS)}), as in "
     '"m=20g,r=5cm,I1=150 g cm^2,I3=flat"; g is then 9.81 m/s^2 if left out'
 )
@@ -88,7 +88,7 @@ class Disk:
         Gravity (m/s^2).
     I1, I3 : float, optional
         Transverse and axial moment of inertia (kg m^2), 0 <= I3 <= 2 I1 by eq. (2.3). I1 is by default that of a
-        uniform disk, m r^2/4, and I3 that of a flat body, 2 I1; "flat" means the same.
+        uniform disk, m r^2/4. I3 is by default that of a flat body, 2 I1; I3="flat" means this too.
     name : str
         Used in the names of folders, in pictures and in tables.
 

@@ -31,16 +31,16 @@ class Falls(Result):
     Attributes
     ----------
     face : array of int8
-        Flat state whose line l_+- is nearer, +1 or -1. Where both are equally near it is +1, but for a state on
-        both lines it is the face on which the disk falls.
+        Flat state whose line l_+- is nearer, +1 or -1. If both are equally near, it is +1; but if the state is on
+        both lines, it is the face on which the disk falls.
     distance : array
         Signed distance of (sigma3_bar, sigma4_bar) from that line, units of the disk. Its sign is that of
         eta, the direction in which the contact point races.
     distance_plus, distance_minus : array
         The same for each line.
     could_fall : array of bool
-        Whether it would fall on that face if eta were exactly 0: E > V_0, and the component of {V < E} that
-        contains the state reaches flat.
+        Whether it would fall on that face if eta were exactly 0: the energy E exceeds V_0, the value of V at flat,
+        and the component of {V < E} that contains the state reaches flat.
     could_fall_plus, could_fall_minus : array of bool
         The same for each face.
     on_f : array of bool

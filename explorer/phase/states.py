@@ -191,7 +191,7 @@ def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLi
     disk : Disk
         The body.
     phi : array_like
-        Tilt (rad), -pi/2 < phi < pi/2, 0 at the vertical.
+        Angle to the vertical (rad), -pi/2 < phi < pi/2.
     phidot, sigma3, sigma4 : array_like
         Rates of eq. (2.14), units of the disk. The arrays broadcast; the result has their shape.
 

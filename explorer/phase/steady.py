@@ -73,16 +73,16 @@ def steady_motions(
     precession : array_like
         Rate at which the contact point turns about the vertical, units of the disk.
     face : array_like of +1 or -1
-        Which face would come down; the other face has the spin of the mirror image.
+        Which face would come down; for the other face the spin changes its sign.
     degrees : bool
         Whether `tilt` is in degrees and `precession` in degrees per unit of time.
 
     Returns
     -------
     SteadyMotions
-        One for each pair: the equation for the spin is linear. An upright disk with precession turns on the spot.
-        Without precession only the upright disk is steady, and rolls straight at any spin; the status is then
-        BAD_INPUT.
+        One motion for each tilt and precession, because the equation for the spin is linear. An upright disk with
+        precession turns on the spot. Without precession no spin can be given, and the status is BAD_INPUT: a
+        tilted disk is not steady, and an upright one rolls straight at any spin.
 
     Raises
     ------
@@ -160,7 +160,7 @@ def circular_rolling(disk: Disk, lean: float, radius: float) -> SteadyMotions:
     Raises
     ------
     InputError
-        If the circle is too small for the lean, or for a disk with I3 = 0.
+        If the circle is too small for the lean, or if the disk has I3 = 0.
 
     Notes
     -----

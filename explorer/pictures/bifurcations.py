@@ -95,10 +95,11 @@ def bifurcation_of_tilts(ax: Axes, disk: Disk, path: str) -> None:
 
 @picture(
     Question.WHICH_MOTIONS,
-    "Which motions there are at each energy, the vertical axis, along a path in the plane of the two constants "
-    "of motion, the horizontal axis. Up to three kinds of curve cut the picture into regions: the energies of "
-    "stable steady motions, those of unstable ones, and, on l₊, the energy V₀ above which the disk can reach "
-    "flat. Each region has a letter; the picture of the regions shows a phase portrait for each letter.",
+    "Which motions there are: the vertical axis is the energy, and the horizontal axis follows a path through "
+    "the plane of the two constants of motion. Up to three kinds of curve cut the picture into regions: the "
+    "energies of stable steady motions, those of unstable ones, and, on l₊, the energy V₀ above which the disk "
+    "can reach flat. Each region has a letter; the picture of the regions shows a phase portrait for each "
+    "letter.",
     group="bifurcation",
     portraits=lambda asked: [(f"bifurcation-{path}", (asked.disk, path)) for path in _DRAWN],
 )
@@ -155,8 +156,8 @@ def bifurcation_of_energies(
 @picture(
     Question.WHICH_MOTIONS,
     "One panel for each lettered region of energies along a path. The thick curves are the motions with the "
-    "energy of the letter, and the title says what they do. On violet ground the disk falls; elsewhere it goes "
-    "to and fro. If there are two wells and the energy is small, it stays in one of them.",
+    "energy of the letter, and the title says what they do. Where the background is violet, the disk falls; "
+    "elsewhere it goes to and fro. If there are two wells and the energy is small, it stays in one of them.",
     (SIZE[0], 5.2),
     "bifurcation",
     lambda asked: [(f"regions-{path}", (asked.disk, path)) for path in _DRAWN],

@@ -17,7 +17,7 @@ for _path in sorted(Path(__file__).parent.glob("[a-z]*.py")):
 
 
 class Pictures(dict[str, Picture]):
-    """All pictures by name; print it to see them by the question that they answer.
+    """All pictures by name. If you print it, they are grouped by the question that they answer.
 
     Each is a `Picture`, which says what it takes and what is seen on it, and can be called itself.
 

@@ -192,9 +192,9 @@ def _plane(ax: Axes, disk: Disk) -> None:
     Question.HAPPENS,
     "The names of angles and constants. Above, the disk on its table: φ is the angle of its plane to the "
     "vertical, θ that of its axis, χ the direction in which the contact point lies, ψ how far it has moved along "
-    "the rim. Below, the constants of motion: the disk falls flat on one of its faces, called +1, only on the "
-    "line l₊. The states that fall make up the falling set F, and the sign of the distance η̂ from this line "
-    "says on which side of F a motion is.",
+    "the rim. Below, the plane of the constants of motion: the disk can fall flat on one of its faces, called "
+    "+1, only if its constants lie on the line l₊. The states that fall make up the falling set F, and the sign "
+    "of the distance η̂ from this line says on which side of F a motion is.",
     (SIZE[0], 8.6),
     "definitions",
 )

@@ -104,8 +104,8 @@ def _points(ax: Axes, rows: list[Any], **look: Any) -> None:
 @picture(
     Question.HOW_RARELY,
     "How far the constant C of the law P = Cδ, estimated from the first N draws, is from the C that quadrature "
-    "gives. The relative difference goes to zero as fast as counting allows, the grey wedge. Each point includes "
-    "the draws of all points before it, so neighbouring points err together.",
+    "gives. The relative difference goes to zero as fast as the statistical error of N draws, which the grey "
+    "wedge shows. Each point includes the draws of all points before it, so neighbouring points err together.",
 )
 def constant_convergence(ax: Axes, summary: dict[str, Any]) -> None:
     """Draw how the estimate of C converges with the number of draws, beside the prediction."""
@@ -133,7 +133,7 @@ def constant_convergence(ax: Axes, summary: dict[str, Any]) -> None:
     "still be seen are the noise of counting.",
 )
 def tilt_density(ax: Axes, summary: dict[str, Any]) -> None:
-    """Draw theta_min / delta of the hits beside the constant density that the law predicts."""
+    """Draw the density of theta_min / delta of draws that come flatter than delta; by the law it is constant."""
     tilt = summary["splits"]["tilt"]
     middle = (np.arange(SHAPE_BINS) + 0.5) / SHAPE_BINS
     share, error = np.array(tilt["share"]) * SHAPE_BINS, np.array(tilt["error"]) * SHAPE_BINS

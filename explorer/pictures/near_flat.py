@@ -141,7 +141,7 @@ def _path(ax: Axes, path: Array, colour: str, style: Any) -> None:
     group="limit",
 )
 def race_collapse(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 1e-2, 1e-4, 1e-8)) -> None:
-    """Draw races at distances eta_hat (natural units) from F on the curve +-arctan to which they tend, Lemma 6."""
+    """Draw races at distances eta_hat from F (natural units), and the +-arctan to which they tend, Lemma 6."""
     x = np.sinh(np.linspace(-math.asinh(_SEEN), math.asinh(_SEEN), 401))
     for sign, name in SIDES.items():
         known = r"$\pm\arctan$" if sign > 0 else None
@@ -165,14 +165,15 @@ def race_collapse(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 1e-2, 1
     Question.HOW_FAR,
     "Motions near F, drawn by two rates that stay bounded at flat: the rate of the tilt, and ρ/κ, where ρ is the "
     "speed of the contact point along the rim. The nearer to F, the closer they keep to half of a circle, from "
-    "the impact at −A to the rise at +A, with one half for each side of F. Each half is an orbit of the flat "
-    "state itself, and it is the race: along it the contact point turns by ±κπ.",
+    "the impact at −A to the rise at +A, with one half for each side of F. Each half is a solution of the "
+    "equations for a disk that lies exactly flat, and this solution is the race: along it the contact point "
+    "turns by ±κπ.",
     group="limit",
 )
 def blow_up(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.01, 0.001)) -> None:
-    """Draw passages near F in (dtheta/dt, rho/kappa), and the orbits at flat to which they tend, eq. (7.1).
+    """Draw passages near F in the plane of dtheta/dt and rho/kappa, and the orbits to which they tend, eq. (7.1).
 
-    eta_hat: in natural units, the nearest last.
+    rho: speed of the contact point along the rim. eta_hat: in natural units, the nearest last.
     """
     several = list(followed(disk, _on_both_sides(eta_hat)))
     A, turned = several[-1].impact_speed, np.linspace(0.0, math.pi, 181)

@@ -33,9 +33,9 @@ _LIMIT: dict[str, Any] = {"color": LAW, "lw": 0.9, "ls": ":"}
     Question.EACH_SIDE,
     "How far motions are from the limit motion of their side, against their distance from F. The limit motion is "
     "what the motions on one side of F tend to as they come closer to F. Each coloured line is the median over "
-    "the starts, on the side where it is larger; the dashed line is the largest distance of all bodies and "
-    "starts. Below 0.01 all lines are about as steep as η ln(1/η), the dotted line, of which only the slope "
-    "counts.",
+    "the starts, taken on the side of F where the median is larger; the dashed line is the largest distance from "
+    "the limit motion among all bodies and starts. Below 0.01 all lines are about as steep as η ln(1/η), the "
+    "dotted line, of which only the slope counts.",
 )
 def one_sided_distance(ax: Axes, summary: dict[str, Any]) -> None:
     """Draw the distance to the limit motion against |eta_hat| for each disk, on the side where it is larger.

@@ -261,9 +261,9 @@ def _curves(places: dict[str, Potential]) -> list[tuple[str, tuple[Any, ...]]]:
 
 @picture(
     Question.WHICH_MOTIONS,
-    "The amended potential, in which the tilt moves like a particle, on the line of the falling motions and "
-    "beside it. On the line, its value at flat is finite; beside the line, it rises towards flat like a wall, as "
-    "η²/(2I₁θ²) at a tilt θ from flat.",
+    "The amended potential, in which the tilt moves like a particle: for constants of motion on the line of the "
+    "falling motions, and for constants beside it. On the line, its value at flat is finite; beside the line, it "
+    "rises towards flat like a wall, as η²/(2I₁θ²) at a tilt θ from flat.",
     group="phase",
     portraits=lambda asked: _curves(asked.places()),
 )

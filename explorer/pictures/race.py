@@ -37,9 +37,9 @@ def race_histogram(
 ) -> None:
     """Draw the distribution of race angles, and of their distance from +-kappa pi by the decade of |eta_hat|.
 
-    races: the summary of a run of scene race-angles, or what `explorer.passages` or `explorer.bounces`
-    returned. bins: for each decade of the distance from the limit. range: distances from the limit (rad) at
-    which the axis below begins and ends; by default such that all ridges are seen.
+    races: the summary of a run of scene race-angles, or what `explorer.passages` or `explorer.bounces` returned.
+    bins: for each decade of the distance from the limit. range: the smallest and the largest distance from the
+    limit (rad) on the lower axis; by default such that the ridge of every decade is seen.
     """
     found = summary_of(races)
     least, most = _reach(found) if range is None else read_range("range", range)
@@ -140,7 +140,7 @@ def _angles(ax: Axes, found: Mapping[str, Any]) -> None:
     "impact and M is I₁ + mr².",
 )
 def race_deviation(ax: Axes, races: Mapping[str, Any] | Passages | Bounces | list[dict[str, Any]]) -> None:
-    """Draw how far race angles are from +-kappa pi, divided by K, with the law |eta| ln(1/|eta|).
+    """Draw how far race angles are from +-kappa pi, divided by a K of the caption, and the law |eta| ln(1/|eta|).
 
     races: the summary of a run of scene race-angles, what `explorer.passages` or `explorer.bounces` returned, or
     the rows of `explorer.race_law`.

@@ -19,7 +19,7 @@ _OF_ANY = "0.4"  # lines in a legend that are drawn of each body, in its colour
     group="bounces",
 )
 def rocking(ax: Axes, disk: Disk) -> None:
-    """Draw the turn per bounce against energy, of `explorer.rocking`: of the uniform disk, a hoop and yours."""
+    """Draw the turn per bounce against energy, by `explorer.rocking`: uniform disk, hoop and your disk."""
     bodies = {each.name: each for each in (Disk.uniform(), Disk.hoop(), disk)}
     for name, (colour, _) in body_looks(bodies).items():
         body, found = bodies[name], rocking_of(bodies[name])

@@ -27,7 +27,7 @@ from explorer.pictures.style import DARK, SIGNED_COLOURS, SMALL, TEXT, colour_ba
     group="rotation",
 )
 def rotation(ax: Axes, disk: Disk, energy: float = 2.0, points: int = 300) -> None:
-    """Draw chi(tau)/2pi modulo 1 over (sigma3_bar, sigma4_bar), eq. (3.13).
+    """Draw the turn of chi in one period tau, chi(tau)/2pi modulo 1, over (sigma3_bar, sigma4_bar), eq. (3.13).
 
     energy: in m g r, above 1, that of the upright disk. points: on each side; an even number, so that none is
     on an axis.

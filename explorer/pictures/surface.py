@@ -17,9 +17,10 @@ _FACES = {1: ("#5AAE61", "-"), -1: ("#9970AB", "--")}  # faces, not sides of F
 
 @picture(
     Question.FROM_WHERE,
-    "F in the space of the tilt φ and the rates σ₃ and σ₄, cut at some values of φ. In each section, the states "
-    "that fall on one face form a line through the origin, provided that the disk has speed enough to get there. "
-    "This line turns from one tilt to the next. Lines have no thickness: almost every state lies on one side of "
+    "F in the space of three coordinates of a state: the angle φ to the vertical, the rate σ₃, which is cos²φ "
+    "times the precession, and the spin σ₄. Each section is at one value of φ. In each section, the states that "
+    "fall on one face form a line through the origin, provided that the disk moves fast enough to reach flat. "
+    "This line turns from one φ to the next. Lines have no thickness: almost every state lies on one side of "
     "them or the other.",
     (SIZE[0], 5.0),
     "surface",

@@ -61,7 +61,7 @@ class Run:
     Attributes
     ----------
     scene : Scene
-        The question, with all its options. Of a stored run it is loaded when it is needed.
+        The question, with all its options. If the run is stored, the scene is loaded only when it is needed.
     folder : Path or None
         Where the run is stored; None for one in memory and for several that are merged.
 

@@ -64,7 +64,7 @@ class Settings(Options):
     )
     rng: int | None = option(
         Reader(read_rng, None, "int | np.random.SeedSequence | np.random.Generator"),
-        "the random numbers: another name of `seed`, which takes what numpy takes",
+        "another name of `seed`; it may also be a SeedSequence or a Generator of numpy",
     )
 
     def __post_init__(self) -> None:

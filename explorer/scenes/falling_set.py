@@ -72,7 +72,8 @@ class FallingSet(FromStates):
     )
     slice: tuple[Slice, ...] = option(
         Reader(several(read_ranges), "SLICE", "str | Slice | Sequence[str | Slice]"),
-        'a plane of the phase space to draw, two numbers and two ranges: "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"',
+        "a plane of the phase space to show in a picture; two coordinates are fixed and two are ranges, as in "
+        '"phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"',
         words="two slices",
         follows=lambda self, given: (
             tuple(Slice.read(each, self.degrees) for each in given or ()) or Slice.defaults(self.disk)

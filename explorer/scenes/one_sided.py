@@ -46,7 +46,7 @@ class Approach(Counts):
 
 
 class OneSided(Scene):
-    """What is the limit from each side of F? How far motions are from it as eta_hat shrinks, for several disks."""
+    """What is the limit from each side of F? Distances of motions from the limit motion as eta_hat shrinks."""
 
     disk: tuple[Disk, ...] = option(  # type: ignore[assignment]  # several
         DISKS,
@@ -203,5 +203,5 @@ class OneSided(Scene):
             exact, found = limits["gap"]["exact"], limits["gap"]["measured"]
             measured = "not measured" if found is None else f"{found:+.6f}"
             told = f"{measured} rad (exact {exact:.6f}); {verdict[limits['coincide']]}"
-            lines.append(f"{name}: between the directions in which the two limit motions rise {told}")
+            lines.append(f"{name}: angle between the directions in which the two limit motions rise: {told}")
         return lines

@@ -71,20 +71,20 @@ class RaceCounts(Counts):
 
 
 class RaceAngles(FromStates):
-    """How far does the contact point race? Angles of passages beside the falling set, on both sides."""
+    """How far does the contact point race? Angles of passages near the falling set, on both sides."""
 
     box: Any = option(
         RANGES,
         f"with --start near, {BOX_NEAR_F}; with --start anywhere, as in falling-set",
-        words="the numbers of the example, in natural units",
+        words="those same numbers, in natural units",
         follows=lambda self, given: self.box_of(given),
     )
     start: str = option(
         word_of("near", "anywhere"),
-        "near: upright, near the falling set; anywhere: in all of the phase space, random or given, and followed "
-        "to the next approaches to flat",
-        words="near; anywhere if states, energy, gaussian or (in Python) density are given, or a box of more than "
-        "these",
+        "where motions start: near (upright, near the falling set), or anywhere (random or given states in all of "
+        "the phase space, followed to their next approaches to flat)",
+        words="near; but anywhere if you give states, energy, gaussian, density (in Python), or a box with other "
+        "coordinates than phidot and sigma3",
         follows=lambda self, given: "near" if isinstance(self, NearF) else "anywhere",
     )
     eta_hat: Range | None = option(

@@ -274,7 +274,8 @@ def register(scene: K) -> K:
     ----------
     scene : type
         A class derived from `explorer.scenes.scene.SampledScene`, whose docstring says the question; it offers
-        `draw` and `observe`, and mostly `count` and `summarise`. Another class of the same name takes its place.
+        `draw` and `observe`, and mostly `count` and `summarise`. If you register another class of the same name
+        later, it replaces this one.
 
     Returns
     -------

@@ -29,8 +29,8 @@ class FromDensity(SampledScene):
         RANGES,
         "ranges of uniform random states, in the units of the disk, as in "
         '"phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2"; '
-        "or ranges of tilt, tilt_rate, precession and spin, but not in measure-zero",
-        words="the numbers of the example, in natural units",
+        "or, except in measure-zero, ranges of tilt, tilt_rate, precession and spin",
+        words="phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2 in natural units",
         follows=lambda self, given: self.box_of(given),
     )
     energy: Range | None = option(

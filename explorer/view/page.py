@@ -109,8 +109,8 @@ def view(
     Parameters
     ----------
     motion : States, result, Disk or str, optional
-        What the laboratory shows: one state, or one motion of what `simulate`, `passages`, `bounces` or
-        `limit_motion` return, from where it begins. Or a body, or its name as on the command line (uniform,
+        What the laboratory shows: one state, or one of the motions that `simulate`, `passages`, `bounces` or
+        `limit_motion` returned, shown from its start. Or a body, or its name as on the command line (uniform,
         hoop, matching, annulus:RATIO), which starts at the vertical with the numbers that follow. By default the
         uniform disk.
     sigma3_bar : float, optional
@@ -133,13 +133,12 @@ def view(
     Raises
     ------
     InputError
-        If `motion` is not a motion, or holds several and no row is given; for numbers beside a motion; for a
-        fall; and for a side that is lost in rounding.
+        If `motion` is not a motion, or holds several and no row is given; if numbers are given together with a
+        motion; if the motion falls; and if its side is lost in rounding.
 
-    Notes
-    -----
-    A bounce begins at the vertical before it, if the motion crosses that. A limit motion is shown by the motion at
-    1e-12 sqrt(g/r) on its side of F: section 7 of Cushman and Duistermaat, Regul. Chaotic Dyn. 11 (2006) 31-60.
+    Notes ----- A bounce begins at the vertical before it, if the motion crosses that. For a limit motion, the
+    motion at the distance eta_hat = 1e-12 sqrt(g/r) on its side of F is shown: section 7 of Cushman and
+    Duistermaat, Regul. Chaotic Dyn. 11 (2006) 31-60.
 
     Examples
     --------

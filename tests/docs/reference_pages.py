@@ -174,6 +174,38 @@ def all_pictures():
     return table(["picture", "what it draws"], rows)
 
 
+def keys(value, before=""):
+    """The paths of keys to all numbers; [] for each row of a list."""
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        value, before = {name: each for row in value for name, each in row.items()}, f"{before}[]"
+    if not isinstance(value, dict) or not value:
+        return [before]
+    return [path for name, each in value.items() for path in keys(each, f"{before}.{name}".lstrip("."))]
+
+
+def summaries():
+    """What the summary of each scene has beside its options."""
+    few = {"samples": 1000, "progress": False}
+    asked = dict.fromkeys(NAMES, few) | {
+        "one-sided": {**few, "samples": 1, "disk": "hoop"},
+        "measure-zero": {**few, "tube": 512, "ladder": "1e-7:1e-1"},
+        "portrait": {"progress": False},
+    }
+    rows = []
+    for name in NAMES:
+        run = ex.run(name, **asked[name])
+        found = {key: value for key, value in run.summary.items() if run.options.get(key) != value}
+        by_key = {}
+        for path in (path for key, value in found.items() for path in keys(value, key)):
+            first, _, rest = path.partition(".")
+            by_key.setdefault(first, []).append(rest)
+        cells = [
+            f"`{first}`" + (f" ({', '.join(rest)})" if rest != [""] else "") for first, rest in by_key.items()
+        ]
+        rows.append((f"`{name}`", "; ".join(cells)))
+    return table(["scene", "keys, and in brackets the keys below them"], rows)
+
+
 MAKERS = {
     "python": python,
     "all-pictures": all_pictures,
@@ -183,6 +215,7 @@ MAKERS = {
     "columns": columns,
     "statuses": statuses,
     "misprints": misprints,
+    "summaries": summaries,
 }
 
 

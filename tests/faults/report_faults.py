@@ -155,8 +155,8 @@ def worker_kills(place, digest, backend):
         told += run.returncode == 1 and len(err.strip().splitlines()) == 1 and "continue with" in err
         same += (out.split()[-1] if run.returncode == 0 else finish(folder, resume=True)) == digest
     return (
-        f"{killed} workers killed; {alone} of {WORKER_KILLS} runs ended by themselves, {told} with a sentence and "
-        f"were resumed; {same}/{WORKER_KILLS} with the same digest"
+        f"{killed} workers killed; {alone} of {WORKER_KILLS} runs went on to their end, {told} stopped with a "
+        f"message and were resumed; {same}/{WORKER_KILLS} with the same digest"
     )
 
 
@@ -211,7 +211,10 @@ def full_disk(place, digest):
             told = err.strip().splitlines()[-1]
             subprocess.run(["mount", "-o", "remount,size=500m", str(disk)], check=True)
             same = finish(disk / "run", resume=True) == digest
-            lines.append(f"tmpfs of 20 MB: one line ({told[:60]}...), {intact} chunks intact, same digest: {same}")
+            lines.append(
+                f"tmpfs of 20 MB is full: one line says so ({told[:60]}...), {intact} chunks intact, same digest "
+                f"after resuming: {same}"
+            )
         finally:
             subprocess.run(["umount", str(disk)], check=True)
     else:
@@ -225,8 +228,8 @@ def full_disk(place, digest):
         same += finish(folder, resume=True) == digest
         trials += 1
     lines.append(
-        f"no space or quota at close, rename: {one_line}/{trials} one line with the path, "
-        f"{same}/{trials} resumed to the same digest"
+        f"no space or quota when a file is closed or renamed: {one_line}/{trials} stopped with one line that "
+        f"names the path, {same}/{trials} resumed to the same digest"
     )
     return "; ".join(lines)
 

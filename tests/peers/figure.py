@@ -24,10 +24,10 @@ CAPTION = Caption(
     Question.HOW_GOOD,
     "Trajectories per second on one core against their error: the calls of nearflat in black, other solvers in "
     "colours. Above, the other solvers solve the plain equations, as a user would write them; below, our "
-    "regularised ones. Higher and further left is better. Each title compares two speeds, both the fastest that "
-    "were measured with errors of at most 1e-6: that of the call `passages`, used with an integrator, and that "
-    "of all the other solvers. The program in C++ detects no events: it is told where each motion ends. Settings "
-    "at which a contact point races the wrong way round are left out.",
+    "regularised ones. Higher and further left is better. Each title compares two speeds at errors of at most "
+    "1e-6: the fastest of the call `passages`, used with an integrator, and the fastest of any other solver. The "
+    "program in C++ detects no events: it is told where each motion ends. Settings at which a contact point "
+    "races the wrong way round are left out.",
 )
 
 

@@ -71,7 +71,7 @@ def page(rows, missing, busy):
         *tables.public_calls(rows),
         "",
         "Each entry is the speed of our call divided by the speed of the peer.",
-        "*Integrated*: the fastest method of `passages` at that accuracy.",
+        "*Integrated*: the fastest integrator of `passages` (rk4, rk8, dopri5 or dop853) at that accuracy.",
         "",
         *tables.ratios(rows),
         "",

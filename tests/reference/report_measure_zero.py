@@ -27,7 +27,7 @@ CASES = (
 )
 COVERED = (("uniform", None, 256), ("hoop", "phi=-1:1", 256), ("matching", "phi=-1:1", 64))
 LAWS = {
-    "dimension_two": "P proportional to delta^2 (equal at delta = 1e-4)",
+    "dimension_two": "P proportional to delta^2, and equal to C delta at delta = 1e-4",
     "plateau": "C delta + 1e-6",
     "constant_off": "1.02 C delta",
 }
@@ -60,7 +60,8 @@ def main():
         "disk. These tilts are the *ladder*, and each is a *rung*. No disk fell in any run, so in each the",
         "probability of falling is below 7.5e-7 (95 %). For small delta the probability to come flatter than",
         "delta is C delta; C is fitted on delta <= 1e-4. *z*: the difference from the prediction in standard",
-        "errors. *+-*: the half-width of the 95 % interval, relative for C.",
+        "errors. *+-*: the half-width of the 95 % interval, relative for C. *Slope*: the power of delta that fits",
+        "best; the law predicts 1. *p*: the p-value of the law.",
         "",
         "| disk | density | C predicted | C estimated | +- | z | slope | +- | p |",
         "|---|---|---|---|---|---|---|---|---|",
@@ -82,7 +83,10 @@ def main():
 
 
 def ladder_lines(summary):
-    yield "| delta | plain draws below | plain, 95 % | tubes / delta | 95 %, all rungs at once | effective size |"
+    yield (
+        "| delta | plain draws flatter than delta | P by them, 95 % | P by tubes, divided by delta "
+        "| 95 % interval that holds for all rungs together | effective size |"
+    )
     yield "|---|---|---|---|---|---|"
     for row in summary["ladder"]:
         delta, (low, high) = row["delta"], row["plain"]["interval_95"]
@@ -106,11 +110,7 @@ def split_lines(summary):
     splits, invariance = summary["splits"], summary["invariance"]
     face = splits["face_plus"]
     yield from ("", "## How the probability splits", "")
-    yield f"On face +1: {face['value']:.5f} +- {face['error']:.5f}, predicted {face['predicted']:.5f}. By energy:"
-    yield from ("", "| energy from | to | share | error | predicted |", "|---|---|---|---|---|")
-    for row in splits["energy"]:
-        ends = ["" if row[key] is None else f"{row[key]:.3f}" for key in ("energy_from", "energy_to")]
-        yield f"| {ends[0]} | {ends[1]} | {row['share']:.5f} | {row['error']:.5f} | {row['predicted']:.5f} |"
+    yield f"On face +1: {face['value']:.5f} +- {face['error']:.5f}, predicted {face['predicted']:.5f}."
     yield ""
     yield "To leading order both signs of eta have the same share;"
     yield "the relative difference of P from C delta is of order delta:"
@@ -124,9 +124,8 @@ def split_lines(summary):
     yield ""
     yield "Of the draws that come flatter than delta, theta_min/delta is"
     yield f"distributed uniformly: p = {splits['tilt']['p_value']:.2g}. The motion keeps volumes in the"
-    yield "phase space: the"
-    yield f"determinant of its derivative equals 1 within {invariance['determinant_error']:.0e}, and"
-    yield "states that have"
+    yield "phase space: the derivative of the final state with respect to the initial one has a determinant that"
+    yield f"equals 1 within {invariance['determinant_error']:.0e}, and states that have"
     yield f"moved for some time are distributed as before: p = {invariance['push_forward_p_value']:.2g}."
 
 

@@ -47,7 +47,7 @@ KINDS = {
     },
     "x86-64 (generic: nothing fused), numpy and libm too": {**_kernels_for("x86-64"), **_NO_FMA},
 }
-_UNITS = {"angles": "rad", "others": "(relative)", "error estimates": "(relative)"}
+_UNITS = {"angles": "rad", "other numbers": "(relative)", "error estimates": "(relative)"}
 _ANGLES = ("delta_chi", "delta_psi", "race_angle", "fall_angle", "chi", "psi")
 
 
@@ -103,7 +103,7 @@ def compare(name, here, there):
     counted = "the same counts" if len(moved) == estimates else f"{len(moved) - estimates} counts differ"
     counted += f" but for {estimates} bins of error estimates" if estimates else ""
     sizes = ", ".join(f"{kind} by {size:.0e} {_UNITS[kind]}" for kind, size in largest.items() if size > 0.0)
-    return f"other digest, {counted}; {rows:.2%} of rows differ in a column{': ' if sizes else ''}{sizes}"
+    return f"other digest, {counted}; {rows:.2%} of rows differ in some column{': ' if sizes else ''}{sizes}"
 
 
 def differences(key, a, b):
@@ -113,7 +113,7 @@ def differences(key, a, b):
         relative = np.where(apart > 0.0, apart / np.maximum(abs(a), 1e-300), 0.0)
     if key == "error_estimate":
         return "error estimates", float(relative.max()), float((apart > 0.0).mean())
-    kind = "angles" if key in _ANGLES else "others"
+    kind = "angles" if key in _ANGLES else "other numbers"
     return kind, float((apart if kind == "angles" else relative).max()), float((apart > 0.0).mean())
 
 

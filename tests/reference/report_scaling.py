@@ -104,8 +104,8 @@ OF_SIZES = Caption(
     "Time against the number of samples, for states that are drawn, judged and counted, and for passages that "
     "are computed and stored. Small runs take as long as starting takes; beyond the bend the time grows in "
     "proportion to the number of samples, along the dotted line. Above ten million, states are drawn in larger "
-    "chunks and take less time each. A second job is worth while from a hundred thousand passages on, and from a "
-    "hundred million states on.",
+    "chunks and take less time each. A second worker is worth while from a hundred thousand passages on, and "
+    "from a hundred million states on.",
 )
 
 

@@ -32,7 +32,7 @@ def computed_once():
     States pushed forward depend on the disk and the seed alone, the constant on the disk and the density.
     """
     with pytest.MonkeyPatch.context() as patch:
-        for name in ("push_forward", "weight_on_f", "constant_of"):
+        for name in ("push_forward", "constant_of"):
             patch.setattr(falling_probability, name, functools.cache(getattr(falling_probability, name)))
         yield
 
@@ -89,11 +89,6 @@ def test_plain_counts_and_tubes_agree_where_both_have_hits(uniform):
 def test_probability_splits_as_predicted(uniform):
     face = uniform["splits"]["face_plus"]
     assert abs(face["value"] - face["predicted"]) < 4.0 * face["error"]
-    shares = uniform["splits"]["energy"]
-    assert sum(row["share"] for row in shares) == pytest.approx(1.0)
-    assert sum(row["predicted"] for row in shares) == pytest.approx(1.0)
-    for row in shares:
-        assert abs(row["share"] - row["predicted"]) < 4.5 * row["error"]
     assert uniform["splits"]["tilt"]["p_value"] > 1e-3
     for row in uniform["splits"]["eta_positive"][3:]:
         assert abs(row["asymmetry"]) < 0.2
