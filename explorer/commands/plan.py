@@ -1,12 +1,15 @@
 """`nearflat plan`: how a run would be computed, why, and what it will cost."""
 
 import argparse
+import math
 from dataclasses import asdict, dataclass
+from datetime import timedelta
+
+from tqdm import tqdm
 
 from explorer.commands import Answer
 from explorer.commands.run import add_arguments as add_arguments
 from explorer.commands.run import given_by
-from explorer.runs.amounts import duration, size
 from explorer.runs.estimate import Estimate, estimate
 from explorer.runs.settings import RunRequest, asked
 
@@ -50,13 +53,15 @@ class RunPlan:
 
     def __str__(self) -> str:
         far = self.estimate
-        more = f", more than the {size(far.free)} free" if far.free is not None and far.disk > far.free else ""
+        memory, disk, free = (f"{tqdm.format_sizeof(size or 0)}B" for size in (far.memory, far.disk, far.free))
+        more = f", more than the {free} free" if far.free is not None and far.disk > far.free else ""
+        time = timedelta(seconds=math.ceil(far.seconds))
         lines = {name: value for name, value in vars(self).items() if name != "estimate" and value} | {
             "observables": ", ".join(self.observables),
             "samples": f"{far.samples:,} in {far.chunks:,} chunks",
-            "time": f"about {duration(far.seconds)} without pictures (measured on {far.probed} chunks)",
-            "memory": f"about {size(far.memory)}",
-            "disk": f"about {size(far.disk)}{more}" if far.disk else "nothing is stored",
+            "time": f"about {time} (hours:minutes:seconds) without pictures, measured on {far.probed} chunks",
+            "memory": f"about {memory}",
+            "disk": f"about {disk}{more}" if far.disk else "nothing is stored",
         }
         return "\n".join(f"{name:12} {value}" for name, value in lines.items() if value)
 

@@ -54,7 +54,7 @@ class Trading(Options):
     )
     motions: int = option(
         whole_from(0),
-        "motions in time are measured too, for the first N samples; 0 for none",
+        "for the first N samples, also measure the computation of the motion as a function of time; 0 for none",
         default=1024,
     )
     t_end: float | None = option(

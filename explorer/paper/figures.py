@@ -34,11 +34,11 @@ _BODY_WORDS = {"uniform": "the uniform disk", "hoop": "the hoop"}
 CHI0_FITS = (0.41, 0.57)  # rad: what the ticks of Fig. 7 leave, to the last digit
 
 INFERRED = (
-    f"The paper does not give χ(0), the direction of the contact point at the start. It is {CHI0:g} rad here; "
-    f"the ticks of its Fig. 7 allow {CHI0_FITS[0]:g} to {CHI0_FITS[1]:g}.",
+    f"The paper does not give χ(0), the direction of the contact point at the start. Here it is {CHI0:g} rad; "
+    f"the ticks of the paper's Fig. 7 allow {CHI0_FITS[0]:g} to {CHI0_FITS[1]:g}.",
     "Fig. 1: the length is described in the paper as somewhat more than three periods.",
     "Figs. 2, 4, 5: the right part shows the same window as Fig. 3, whose ticks are known.",
-    "Figs. 6 to 9: the length, 3 periods, is inferred from Fig. 7. Its ticks do not fit 3.4 periods.",
+    "Figs. 6 to 9: the length, 3 periods, is inferred from the ticks of Fig. 7.",
 )
 
 

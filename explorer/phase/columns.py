@@ -132,7 +132,7 @@ COLUMNS = {
     "rounding": Column("Order of magnitude of the rounding error of the determinant."),
     # scenes
     "delta": Column(
-        "Of a draw near F: the delta whose P(theta_min < delta) this draw is used to estimate. NaN for plain "
+        "Of a draw near F: the draw is used to estimate P(theta_min < delta) for this delta. NaN for plain "
         "draws, from the whole box.",
         ANGLE,
     ),

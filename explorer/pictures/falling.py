@@ -22,9 +22,10 @@ _FEWEST = 100  # samples that a guide of slope one is drawn through
 
 @picture(
     Question.FROM_WHERE,
-    "The flattest motion among the samples of each cell, over the two constants of motion. Only motions on two "
-    "lines through the origin come flat; the exact lines are drawn only near the edges, so that they do not hide "
-    "the ridges of samples. A cell with more samples finds flatter ones.",
+    "The plane of the two constants of motion, divided into cells: the colour of a cell is that of the flattest "
+    "motion among its samples. Only motions on two lines through the origin come flat; the exact lines are drawn "
+    "only near the edges, so that they do not hide the ridges of samples. A cell with more samples finds flatter "
+    "ones.",
 )
 def constants_plane(ax: Axes, samples: States | ConstantsPlane, cells: int = 100, method: str = "auto") -> None:
     """Draw the flattest motion among states in each cell of the plane of constants, and both lines l_+-.

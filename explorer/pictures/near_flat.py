@@ -90,9 +90,10 @@ def _on_both_sides(sizes: Sequence[float]) -> list[float]:
 
 @picture(
     Question.EACH_SIDE,
-    "The path of the contact point on the table, seen from above, from the vertical through two falls, on both "
-    "sides of F. Each circle is a race round the rim of the disk that lies almost flat. The nearer to F, the "
-    "nearer the path is to the limit of its side, the broad line; the limits of the sides lead apart.",
+    "The path of the contact point on the table, seen from above, on both sides of F: it starts where the disk "
+    "is upright, and goes on through two falls. Each circle is a race round the rim of the disk that lies almost "
+    "flat. The nearer to F, the nearer the path is to the limit of its side, the broad line; the limits of the "
+    "sides lead apart.",
     (SIZE[0], 4.2),
     "limit",
 )

@@ -137,7 +137,7 @@ def _zero_line(ax: Axes, cut: SliceMap, values: Array, style: object, width: flo
     ),
 )
 def slice_of_sides(ax: Axes, cut: SliceMap) -> None:
-    """Draw to which side the contact point races and how flat the disk comes, of `explorer.slice_map`.
+    """Draw what `explorer.slice_map` returned: to which side the contact point races, and how flat the disk comes.
 
     Blue where eta > 0 on the nearer face, vermilion where eta < 0; the smaller theta_min, the stronger the colour.
     Hatched where the disk would not fall on that face if eta were exactly 0 at the same phi, sigma3_bar and

@@ -1,6 +1,5 @@
 """The same samples by two methods: how long each takes, and how far the answers are apart."""
 
-import os
 import time
 from dataclasses import replace
 from typing import Any
@@ -10,6 +9,8 @@ from numpy.typing import NDArray
 
 from explorer.motion.compare import ANGLES, apart
 from explorer.motion.plan import method_in_words
+from explorer.runs.run import execute
+from explorer.runs.settings import RunRequest, Settings
 from explorer.scenes.scene import SampledScene
 
 
@@ -19,15 +20,14 @@ def exact_of(scene: SampledScene) -> SampledScene:
 
 
 def side_by_side(scene: SampledScene, column: str, *, jobs: int = 2) -> dict[str, Any]:
-    """Compute a scene that integrates, and the same samples by quadrature, and compare one column.
+    """Run a scene that integrates, and the same samples by quadrature, and compare one column.
 
-    seconds: on the clock, with compiled kernels, for all about the samples, on `jobs` threads. largest,
-    percentile_99: of the differences, as `apart` has them. compared: samples that both
-    gave.
+    seconds: on the clock, for the whole run in memory, with compiled kernels. largest, percentile_99: of the
+    differences, as `apart` has them. compared: samples that both gave.
     """
     exact = exact_of(scene)
     for each in (scene, exact):  # so that no time is that of loading code
-        _column(replace(each, samples=1), column, 0)
+        _timed(replace(each, samples=1), column, 1)
     (seconds, found), (exact_seconds, known) = (_timed(each, column, jobs) for each in (scene, exact))
     both = np.isfinite(found) & np.isfinite(known)
     away = apart(column, found[both], known[both])
@@ -61,16 +61,6 @@ def in_words(found: dict[str, Any]) -> list[str]:
 
 def _timed(scene: SampledScene, column: str, jobs: int) -> tuple[float, NDArray[Any]]:
     """Seconds on the clock, and the column of all samples."""
-    from joblib import Parallel, delayed
-
     began = time.perf_counter()
-    jobs = min(jobs, os.cpu_count() or 1)
-    parts = Parallel(n_jobs=jobs, backend="threading")(
-        delayed(_column)(scene, column, index) for index in range(scene.chunks)
-    )
-    return time.perf_counter() - began, np.concatenate(parts)
-
-
-def _column(scene: SampledScene, name: str, index: int) -> NDArray[Any]:
-    """What is found of the samples of one chunk."""
-    return np.concatenate([scene.observe(block)[name] for block in scene.blocks(index)])
+    run = execute(RunRequest(replace(scene, keep="all"), Settings.of({"jobs": jobs, "progress": False})))
+    return time.perf_counter() - began, np.concatenate([table[column] for table in run.tables([column])])

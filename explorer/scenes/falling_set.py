@@ -97,7 +97,7 @@ class FallingSet(FromStates):
         "falling set",
         "would fall if eta, their distance from the falling set, were exactly 0: {could_fall_fraction:.1%} "
         "(95 % interval {could_fall_interval_95[0]:.1%} to {could_fall_interval_95[1]:.1%})",
-        "tilt at the flattest moment of {theta_min_of}: median {theta_min_quantiles[0.5]:.3g} rad, "
+        "tilt of {theta_min_of}, each at its flattest moment: median {theta_min_quantiles[0.5]:.3g} rad, "
         "one in a thousand below {theta_min_quantiles[0.001]:.3g} rad",
     )
 

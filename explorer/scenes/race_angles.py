@@ -76,7 +76,7 @@ class RaceAngles(FromStates):
     box: Any = option(
         RANGES,
         f"with --start near, {BOX_NEAR_F}; with --start anywhere, as in falling-set",
-        words="those same numbers, in natural units",
+        words="with near, phidot=0.5:2,sigma3=-2:2 in natural units; with anywhere, that of falling-set",
         follows=lambda self, given: self.box_of(given),
     )
     start: str = option(

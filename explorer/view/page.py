@@ -119,7 +119,8 @@ def view(
         For a body: distance from F on `face` (units of the disk), not 0, by default sqrt(g/r)/1000. Its sign
         is the side; the motion at -eta_hat, which races the other way, is shown beside it.
     phidot : float, optional
-        For a body: speed at the vertical towards that flat state (units of the disk), by default sqrt(g/r).
+        For a body: speed at the vertical towards the flat state of `face` (units of the disk), by default
+        sqrt(g/r).
     face : int, optional
         For a body: the flat state that is meant, +1 (by default) or -1.
     row : int, optional
@@ -136,9 +137,11 @@ def view(
         If `motion` is not a motion, or holds several and no row is given; if numbers are given together with a
         motion; if the motion falls; and if its side is lost in rounding.
 
-    Notes ----- A bounce begins at the vertical before it, if the motion crosses that. For a limit motion, the
-    motion at the distance eta_hat = 1e-12 sqrt(g/r) on its side of F is shown: section 7 of Cushman and
-    Duistermaat, Regul. Chaotic Dyn. 11 (2006) 31-60.
+    Notes
+    -----
+    If you give a bounce, the page starts at the last vertical before it, if the motion crosses the vertical. For
+    a limit motion, the page shows the motion at the distance eta_hat = 1e-12 sqrt(g/r) on its side of F: section
+    7 of Cushman and Duistermaat, Regul. Chaotic Dyn. 11 (2006) 31-60.
 
     Examples
     --------

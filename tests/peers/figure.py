@@ -25,7 +25,7 @@ CAPTION = Caption(
     "Trajectories per second on one core against their error: the calls of nearflat in black, other solvers in "
     "colours. Above, the other solvers solve the plain equations, as a user would write them; below, our "
     "regularised ones. Higher and further left is better. Each title compares two speeds at errors of at most "
-    "1e-6: the fastest of the call `passages`, used with an integrator, and the fastest of any other solver. The "
+    "1e-6: that of the fastest integrator of the call `passages`, and that of the fastest other solver. The "
     "program in C++ detects no events: it is told where each motion ends. Settings at which a contact point "
     "races the wrong way round are left out.",
 )

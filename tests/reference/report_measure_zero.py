@@ -84,8 +84,8 @@ def main():
 
 def ladder_lines(summary):
     yield (
-        "| delta | plain draws flatter than delta | P by them, 95 % | P by tubes, divided by delta "
-        "| 95 % interval that holds for all rungs together | effective size |"
+        "| delta | plain draws flatter than delta | P by plain draws, 95 % interval | P by tubes, divided by "
+        "delta | 95 % interval that holds for all rungs together | effective size |"
     )
     yield "|---|---|---|---|---|---|"
     for row in summary["ladder"]:

@@ -13,7 +13,7 @@ def test_the_cost_of_a_run_is_said_for_its_own_options(capsys, tmp_path):
     assert main(["plan", *words]) == 0
     out = capsys.readouterr().out
     assert "samples      1,000,000 in 16 chunks" in out
-    assert "(measured on " in out
+    assert "measured on " in out
     assert "MB" in out.splitlines()[-1]
     assert main(["plan", *words, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["estimate"]["chunks"] == 16

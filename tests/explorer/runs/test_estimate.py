@@ -2,10 +2,8 @@
 
 import time
 
-import pytest
 from coins import SMALL, Coins
 
-from explorer.runs.amounts import duration, size
 from explorer.runs.estimate import estimate
 from explorer.runs.settings import asked
 
@@ -48,18 +46,3 @@ def test_chunks_that_differ_are_tried_at_both_ends_and_in_the_middle(tmp_path):
 def test_an_estimate_counts_every_sample_of_very_many_chunks(tmp_path):
     found = estimate(asked(Coins, {"samples": 10**10, "out": tmp_path / "run"}))
     assert (found.samples, found.chunks) == (10**10, -(-(10**10) // 65_536))
-
-
-@pytest.mark.parametrize(
-    ("count", "text"), [(0, "0 B"), (950, "950 B"), (999_600, "1 MB"), (83.6e12, "83.6 TB"), (5e18, "5e+03 PB")]
-)
-def test_sizes_have_three_digits_and_a_unit(count, text):
-    assert size(count) == text
-
-
-@pytest.mark.parametrize(
-    ("seconds", "text"),
-    [(1.25, "1.2 s"), (600, "10 min"), (30_000, "8 h"), (953_236, "11 days"), (1e9, "11,574 days")],
-)
-def test_times_are_in_seconds_to_days(seconds, text):
-    assert duration(seconds) == text
