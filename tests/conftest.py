@@ -97,13 +97,14 @@ def traded(made_once):
     return made_once("traded", lambda: trade(disk=BODIES["hoop"], **few))
 
 
-SAVE = Figure.savefig
+SAVE, LAY_OUT = Figure.savefig, Figure.draw_without_rendering
 
 
 @pytest.fixture(autouse=True, scope="session")
 def quick_pictures():
-    """Figures are made in full and saved as a dot: pixels take a second for each."""
+    """Figures are made in full, not laid out, and saved as a dot: that takes a second for each."""
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Figure, "draw_without_rendering", lambda _: None)
         patch.setattr(Figure, "savefig", lambda _, path, **options: save_dot(path))
         yield
 
@@ -124,6 +125,7 @@ def rendered_pictures(request, monkeypatch):
 
         def saved(figure, path, **options):
             if Path(path).suffix.lstrip(".") in (mark.args or ("png",)):
+                LAY_OUT(figure)
                 SAVE(figure, path, **options)
             else:
                 save_dot(path)

@@ -60,7 +60,7 @@ class Bounces(Result):
         The largest of the errors of the angles (rad), of the duration and of theta_min (relative), and of the time
         to the flattest moment (relative; in periods of the motion if that time is shorter than one period).
     status : array of int8
-        `Status` of each state.
+        `Status` of each bounce.
     states : States
         The states; tables have their phi, phidot, sigma3 and sigma4 as columns.
 

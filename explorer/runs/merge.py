@@ -43,7 +43,7 @@ def merge(*runs: Run) -> Run:
     """
     for run in runs:
         if not isinstance(run, Run):
-            raise InputError(f'{shown(run)} is no run; give what ex.run(...) or ex.open("folder") returns')
+            raise InputError(f"{shown(run)} is no run; give runs one after the other: merge(one, two)")
     parts = sorted((part for run in runs for part in run.parts), key=lambda part: part.scene.seed)
     if len(parts) < 2:
         raise InputError("takes two runs or more; give them one after the other")

@@ -233,7 +233,8 @@ class Run:
 
         known = self._pictures()
         picture = known[one_of("figure", name, known)]
-        return whole_figure(picture(**options) if ax is None else picture(ax=ax, **options))
+        with self.scene.running("figures"):
+            return whole_figure(picture(**options) if ax is None else picture(ax=ax, **options))
 
     def tables(self, columns: Columns = None) -> Iterator[Table]:
         """The kept samples chunk by chunk, in order, as arrays by name. Raises RunError where one is missing.

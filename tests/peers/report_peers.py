@@ -1,6 +1,7 @@
 """Writes results/peers/, and the row of README.md on speed: nearflat and its peers on the same work, in one run.
 
-    pip install "nearflat[peers]"      # a peer that is not there is left out, and so is the loop in C++
+    pip install "nearflat[peers]"      # a peer that is not there is left out, and so is the loop in C++; not
+                                       # heyoka, whose extended precision is the truth
     OMP_NUM_THREADS=1 taskset -c 0 python -m peers.report_peers      # in tests/; some minutes
 
 Rates are trajectories per second of the processor's time; compiling is not in them. Compare within one run only.

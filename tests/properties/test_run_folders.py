@@ -95,7 +95,7 @@ def test_an_edited_run_is_found_out_and_mended_or_reads_the_same(runs, tmp_path_
                 assert json.loads(json.dumps(found.summary)) == numbers
             elif found.scene.chunks > 10:  # a number of run.json became a large one
                 return
-            found.resume(progress=False)
+            found.resume(progress=False, figures=False)
         except (ex.InputError, ex.RunError):
             if "run.json" not in [name for _, name, _, _ in several]:
                 raise

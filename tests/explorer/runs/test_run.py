@@ -183,7 +183,7 @@ def test_runs_that_do_not_go_together_are_not_merged(several, finished):
             ex.run(Coins, **{**SMALL, "bias": 0.25}),
             "bias = 0.5, another 0.25|bias = 0.25, another 0.5",
         ),
-        ("run", "is no run; give what"),
+        ("run", "is no run; give runs one after the other"),
     ):
         with pytest.raises(ex.InputError, match=message):
             ex.merge(first, other)

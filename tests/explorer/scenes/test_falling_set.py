@@ -102,9 +102,9 @@ def test_the_headline_is_in_sentences_a_user_can_read(tmp_path):
     share = "would fall if eta, their distance from the falling set, were exactly 0: "
     share += f"{found['could_fall_fraction']:.1%} (95 % interval "
     assert scene.headline(found)[1].startswith(share)
-    assert "of all samples: median" in scene.headline(found)[2]
+    assert "of all samples, each at its flattest moment: median" in scene.headline(found)[2]
     scene, found = summary_of(samples=2000, theta_min="near")
-    assert "of samples with |eta_hat| <= 0.001: median" in scene.headline(found)[2]
+    assert "of samples with |eta_hat| <= 0.001, each at its flattest moment: median" in scene.headline(found)[2]
     (tmp_path / "states.csv").write_text("phi,phidot,sigma3,sigma4\n0.1,1,1,0.5\n,1,1,2\n0.2,1,1,1\n")
     run = ex.run("falling-set", states=tmp_path / "states.csv")
     for text in ("were exactly 0: 100.0%", "2 of 3 samples are states", "2 ok", "1 bad_input"):
