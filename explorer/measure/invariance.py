@@ -52,7 +52,7 @@ class Stretch(Result):
     status : array of int8
         `Status` of each state; NOT_FINITE where the numbers overflow on the way.
     states : States
-        The states; tables have their phi, phidot, sigma3 and sigma4 as columns.
+        The states; `to_pandas` and `to_arrow` have their phi, phidot, sigma3 and sigma4 as columns.
 
     Examples
     --------

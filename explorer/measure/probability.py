@@ -144,10 +144,10 @@ def probability(
     rng : int, SeedSequence or Generator
         Where random numbers come from; the same int gives the same numbers.
     **coordinates
-        A frozen distribution of scipy.stats, a range (low, high) or a number for each coordinate, which are
-        independent. tilt, precession and spin, with tilt_rate (0 if left out) and face (+1); or phi, phidot,
-        sigma3, sigma4; or constants of motion, as `coordinates_to_states` takes them; in the units of the disk.
-        Text such as "norm:20:2" stands for scipy.stats.norm(20, 2).
+        For each coordinate a frozen distribution of scipy.stats, a range (low, high) or a number; the coordinates
+        are independent. They are tilt, precession and spin, with tilt_rate (0 if left out) and face (+1); or phi,
+        phidot, sigma3, sigma4; or constants of motion, as `coordinates_to_states` takes them; in the units of the
+        disk. Text such as "norm:20:2" stands for scipy.stats.norm(20, 2).
 
     Returns
     -------

@@ -140,10 +140,10 @@ def slice_map(
     disk : Disk
         The body, with I3 > 0.
     slice : str, mapping or Slice
-        Two ranges and the fixed numbers, as in "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2". Either phi (rad), phidot
-        or the energy, and one of the pairs sigma3 and sigma4, sigma3_bar and sigma4_bar, sigma3_bar and eta_hat;
-        or tilt, precession and spin, with tilt_rate (0 if left out). All are in the units of the disk. face is +1
-        if left out.
+        Two ranges and the fixed numbers, as in "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2". The coordinates are phi
+        (rad), then phidot or else the energy, and one of the pairs sigma3 and sigma4, sigma3_bar and sigma4_bar,
+        sigma3_bar and eta_hat; or they are tilt, precession and spin, with tilt_rate (0 if left out). All are in
+        the units of the disk. face is +1 if left out.
     observable : str, several, or callable
         Names, or a function of `States`, as `scan` takes them.
     points, jobs : int

@@ -62,7 +62,7 @@ class Bounces(Result):
     status : array of int8
         `Status` of each bounce.
     states : States
-        The states; tables have their phi, phidot, sigma3 and sigma4 as columns.
+        The states; `to_pandas` and `to_arrow` have their phi, phidot, sigma3 and sigma4 as columns.
 
     Examples
     --------
@@ -92,7 +92,7 @@ class Bounces(Result):
 def bounces(
     states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 1, *, method: str = "auto"
 ) -> Bounces:
-    """Every approach to flat of the motions through `states`: the next `count` of each.
+    """The next `count` approaches to flat in the motion through each of `states`.
 
     A bounce is one stretch of a motion with its flattest moment in the middle. Where the motion crosses the
     vertical the stretch goes from vertical to vertical, and bounces are on both faces in turn. Where it does

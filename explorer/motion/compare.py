@@ -91,8 +91,8 @@ def compare(
     Returns
     -------
     Comparison
-        The bounces and times by method. Its method `differences` compares the methods in one column. If you print
-        it, you get one line for each method.
+        The bounces and times by method. `differences(column)` says how far the others are from the first method in
+        that column. If you print the result, you get one line for each method.
 
     Raises
     ------

@@ -83,8 +83,8 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
 
     Notes
     -----
-    The force is m times the acceleration of the centre, whose velocity is eq. (2.33), plus the weight; section 8
-    of the paper asks for it.
+    The force is m times the acceleration of the centre, whose velocity is eq. (2.33), plus the weight. How large
+    it is, is a question that section 8 of the paper raises.
 
     Examples
     --------

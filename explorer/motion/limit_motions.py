@@ -78,7 +78,7 @@ class LimitMotion:
     """The one-sided continuation of a motion on F through all its impacts; call it with times.
 
     If sigma3_bar = sigma4_bar = 0 and the energy is above m g r, the disk swings over the vertical, as a pendulum,
-    and falls to both flat states in turn. If the motions that approach this pendulum also have sigma3_bar = 0,
+    and falls to both flat states in turn. If the motions of which this is the limit also have sigma3_bar = 0,
     their eta has opposite signs on the two faces: chi then jumps to and fro, and psi always jumps the same way.
 
     Attributes

@@ -47,7 +47,7 @@ class Periods(Result):
     status : array of int8
         `Status` of each state.
     states : States
-        The states; tables have their phi, phidot, sigma3 and sigma4 as columns.
+        The states; `to_pandas` and `to_arrow` have their phi, phidot, sigma3 and sigma4 as columns.
 
     Examples
     --------

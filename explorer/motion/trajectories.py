@@ -57,7 +57,7 @@ class Trajectories(WithStatus):
     phidot, sigma3, sigma4 : (n, nt) array or None
         Rates of eq. (2.14), units of the disk.
     chi, psi : (n, nt) array or None
-        Contact angle and angle of the body, rad; chi starts at `chi0` and psi at 0.
+        Contact angles in space and in the body (rad); chi starts at `chi0` and psi at 0.
     path, contact : (n, nt, 3) array or None
         Centre of mass and contact point, in the unit of length. The centre starts above the origin.
     status : (n,) array of int8
@@ -72,8 +72,8 @@ class Trajectories(WithStatus):
         things: how far steps were moved to hold the constants; how fast chi turns at the end, since inside a race
         a small error of the time is a large one of chi; and the rounding of a long path. If rounding keeps a path
         from the accuracy asked, the estimate says which accuracy can be reached. Motions that may err by more than
-        was asked are followed again by finer steps. Where the constants show nothing, as with I3 = 0, in fast
-        spins and after many periods, two runs are compared.
+        was asked are followed again by finer steps. Where the constants do not reveal the error, as with I3 = 0,
+        in fast spins and after many periods, the motion is integrated twice and the two results are compared.
     lengths : (n,) array of int
         Number of times in the row of each motion; 0 where the status is not OK.
     t_end : float
@@ -151,11 +151,11 @@ class Trajectories(WithStatus):
         """The motions at any times from 0 to `t_end`, also inside a race.
 
         A state between two points of a curve is found by the method of the integration itself, from the point
-        before: it is as accurate as they are, and no straight line.
-        If t_eval was given, the motion is integrated again from its start. In a race chidot is some 4/eta_hat
-        (natural units), and errors of the time count so many times in chi: the accuracy, which shifts the whole
-        race, and the rounding of t, some 1e-15, so that below 1e-14 single times no longer tell where the race is.
-        Its course is in the curve at any eta_hat: chi against phidot, phi or the path.
+        before: it is as accurate as they are, and no straight line. If t_eval was given, the motion is integrated
+        again from its start. In a race chidot is some 4/eta_hat (natural units), and an error of the time is an
+        error of chi that many times as large. Two errors of the time count: that of the accuracy, which shifts the
+        whole race, and the rounding of t, some 1e-15. For eta_hat below 1e-14, single times therefore no longer
+        tell where the race is. Its course is in the curve at any eta_hat: chi against phidot, phi or the path.
 
         Parameters
         ----------

@@ -148,7 +148,8 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
     Returns
     -------
     tuple of Branch
-        Equilibria are joined as long as neither their number nor their kinds change.
+        Each follows one steady motion (an equilibrium of V) along the path, as long as neither the number of
+        equilibria nor their kinds change.
 
     Raises
     ------

@@ -20,7 +20,7 @@ class Constants(Result):
     Attributes
     ----------
     sigma3_bar, sigma4_bar : array
-        Values at the vertical of the motion's sigma3 and sigma4, units of the disk, eq. (3.5).
+        Values that sigma3 and sigma4 have, or would have, at the vertical, units of the disk, eq. (3.5).
         sigma4_bar is NaN where I3 = 0.
     eta_hat_plus, eta_hat_minus : array
         Signed distance of (sigma3_bar, sigma4_bar) from the lines ``l_+`` and ``l_-``, measured along sigma4_bar,
@@ -33,7 +33,7 @@ class Constants(Result):
     status : array of int8
         `Status` of each state, OK or BAD_INPUT.
     states : States
-        The states; tables have their phi, phidot, sigma3 and sigma4 as columns.
+        The states; `to_pandas` and `to_arrow` have their phi, phidot, sigma3 and sigma4 as columns.
 
     Examples
     --------

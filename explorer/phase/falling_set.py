@@ -44,13 +44,13 @@ class Falls(Result):
     could_fall_plus, could_fall_minus : array of bool
         The same for each face.
     on_f : array of bool
-        Whether the distance is zero to rounding. A state with on_f and could_fall falls.
+        Whether the distance is zero to rounding. If on_f and could_fall are both True, the disk falls.
     theta_min_estimate : array
         Leading order of the smallest tilt, |eta| / sqrt(2 I1 (E - V_0)) (rad); NaN where not could_fall.
     status : array of int8
         `Status` of each state: OK, FALLS or BAD_INPUT.
     states : States
-        The states; tables have their phi, phidot, sigma3 and sigma4 as columns.
+        The states; `to_pandas` and `to_arrow` have their phi, phidot, sigma3 and sigma4 as columns.
 
     Examples
     --------
