@@ -131,14 +131,14 @@ def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
     disk : Disk
         The disk.
     **coordinates
-        Three to five arrays, which broadcast; all rates are in the units of the disk. Give a tilt, spins and a face.
+        Three to five arrays, which broadcast; all rates are in the units of the disk. Give a tilt, spins, a face.
 
         - The tilt is one of three: phi, the angle to the vertical (rad, 0 if left out), with phidot or with the
           energy; theta with thetadot, as for `theta_to_states`; or tilt with tilt_rate (0 if left out), as for
           `rates_to_states`. From the energy phidot is computed, and taken as not negative.
-        - The spins are sigma3 with sigma4, of eq. (2.14). With phi they may also be constants of motion, sigma3_bar
-          with sigma4_bar or with eta_hat, of eqs (3.5), (6.2); with tilt they are precession with spin, as for
-          `rates_to_states`.
+        - The spins are sigma3 with sigma4, of eq. (2.14). With phi they may also be constants of motion,
+          sigma3_bar with sigma4_bar or with eta_hat, of eqs (3.5), (6.2); with tilt they are precession with spin,
+          as for `rates_to_states`.
         - The face, +1 or -1, is that to which theta, tilt or eta_hat refers; +1 if left out.
 
     Returns
