@@ -159,7 +159,7 @@ def probability(
     InputError
         If the names do not determine a state, or if an argument cannot be used.
     RunError
-        If hardly any draw is a state.
+        If hardly any draw describes a state, as one with a negative tilt does not.
 
     Notes
     -----

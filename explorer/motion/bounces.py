@@ -112,13 +112,14 @@ def bounces(
         Threads. For many states see `scan`, which works in batches and shows its progress.
     method : str
         'auto' or 'quadrature'; or 'rk4', 'rk8', 'dopri5', 'dop853', which follow each motion through one period in
-        steps, to an accuracy of 1e-11 at best; even then the fall angle, and only this, is computed by quadrature.
+        steps, to an accuracy of 1e-11 at best; with these too the fall angle, but nothing else, is computed by
+        quadrature.
 
     Returns
     -------
     Bounces
         Arrays with the shape of `states` and a last axis for the bounces. A state that lies on F to within
-        rounding has the status FALLS. If it lies beside F, but so near that rounding hides its side, the status is
+        rounding has the status FALLS. If it lies so near F that rounding hides its side, the status is
         UNRESOLVED_SIDE.
 
     Raises

@@ -34,8 +34,8 @@ _FLOOR = 1e-9
 class Passages(Result):
     """Passages near flat, arrays of the arguments' shape, in the units of the disk: what `passages` returns.
 
-    If the status of a sample is not OK, all that is computed for it is NaN. One with eta_hat = 0 falls: its status
-    is FALLS, and its fall_time, fall_angle, energy and impact_speed are given.
+    If the status of a sample is not OK, all that is computed for it is NaN. The exception is a sample with eta_hat
+    = 0, which falls: its status is FALLS, and its fall_time, fall_angle, energy and impact_speed are given.
 
     Attributes
     ----------

@@ -47,9 +47,9 @@ class Trajectories(WithStatus):
     Attributes
     ----------
     t : (n, nt) or (nt,) array
-        Times. Without t_eval each motion has its own times; `lengths` says how many. The rest of its row repeats
-        the last one, and all other arrays repeat their last value, so that whole rows can be drawn. With t_eval,
-        the times given there.
+        Times. Without t_eval each motion has its own times; `lengths` says how many. After them, the row of a
+        motion is filled with its last time, and in all other arrays with its last value, so that whole rows can be
+        drawn. With t_eval, the times given there.
     phi : (n, nt) array or None
         Angle to the vertical (rad), -pi/2 to pi/2.
     tilt : (n, nt) array or None
@@ -231,8 +231,8 @@ def simulate(
         'auto' (the cheaper adaptive pair), 'rk4', 'rk8', 'dopri5' or 'dop853'.
     accuracy : float
         Largest error, 1e-11 to 0.1, of angles (rad) and path (in r) in one passage, which takes about 2 sqrt(r/g).
-        Over k passages it grows like k. During a race the angles may err by more: there it bounds the error of the
-        time at which the race happens.
+        Over k passages the error grows like k. During a race the angles may err by more: there the accuracy bounds
+        the error of the time at which the race happens.
     chi0 : float
         Contact angle at the start (rad), -1e4 to 1e4.
     max_steps : int

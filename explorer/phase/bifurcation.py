@@ -143,7 +143,7 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
     path : str
         "spinning" (sigma4_bar = 0), "rolling" (sigma3_bar = 0) or "line" (on l_+).
     parameter : array_like
-        Increasing values of the constant that varies along the path, units of the disk.
+        Increasing values of sigma3_bar for "spinning" and "line", of sigma4_bar for "rolling"; units of the disk.
 
     Returns
     -------

@@ -29,7 +29,7 @@ _FEWEST = 100  # samples that a guide of slope one is drawn through
 def constants_plane(ax: Axes, plane: ConstantsPlane) -> None:
     """Draw the flattest motion in each cell of the plane of constants, and both lines l_+-.
 
-    plane: of a run of scene falling-set, also of states of your own.
+    plane: a ConstantsPlane, which a run of falling-set makes from random states or from yours.
     """
     colour_tilt(ax, plane.sigma3_edges, plane.sigma4_edges, plane.smallest, plane.method)
     (left, right), (low, high) = plane.sigma3_edges[[0, -1]], plane.sigma4_edges[[0, -1]]
@@ -57,7 +57,7 @@ def constants_plane(ax: Axes, plane: ConstantsPlane) -> None:
     "of states (codimension one). So nearly falling flat is rare, and falling flat has probability zero.",
 )
 def theta_min(ax: Axes, theta: LogHistogram | ArrayLike, samples: int | None = None) -> None:
-    """Draw the share of samples that come flatter than delta, and a line of slope one, as for codimension one.
+    """Draw the share of samples that come flatter than delta, and a line on which the share is proportional to it.
 
     theta: smallest tilts (rad), of `explorer.periods` for instance, or counts of them. samples: the number
     of all samples, including those whose tilt is not known; by default the number of tilts.

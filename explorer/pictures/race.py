@@ -140,7 +140,7 @@ def _angles(ax: Axes, found: Mapping[str, Any]) -> None:
     "impact and M is I₁ + mr².",
 )
 def race_deviation(ax: Axes, races: Mapping[str, Any] | Passages | Bounces | list[dict[str, Any]]) -> None:
-    """Draw how far race angles are from +-kappa pi, over K (see the caption), and the law |eta| ln(1/|eta|).
+    """Draw how far race angles are from +-kappa pi, divided by K (caption), and the law |eta| ln(1/|eta|).
 
     races: the summary of a run of scene race-angles, what `explorer.passages` or `explorer.bounces` returned, or
     the rows of `explorer.race_law`.

@@ -101,7 +101,7 @@ def view(
     *,
     row: int | None = None,
 ) -> View:
-    """Make a page: an article that shows what the disk does, with a laboratory at its end to roll it yourself.
+    """Make a page: an article on what the disk does, and at its end a laboratory in which you roll the disk.
 
     The laboratory shows both sides of F, and you can drag through the whole motion. The page opens there if you
     give a motion, a body or a number, and otherwise with the article.
@@ -139,9 +139,9 @@ def view(
 
     Notes
     -----
-    If you give a bounce, the page starts at the last vertical before it, if the motion crosses the vertical. For
-    a limit motion, the page shows the motion at the distance eta_hat = 1e-12 sqrt(g/r) on its side of F: section
-    7 of Cushman and Duistermaat, Regul. Chaotic Dyn. 11 (2006) 31-60.
+    If you give a bounce of a motion that crosses the vertical, the page starts where the disk was last upright
+    before that bounce. For a limit motion, the page shows the motion at the distance eta_hat = 1e-12 sqrt(g/r) on
+    its side of F: section 7 of Cushman and Duistermaat, Regul. Chaotic Dyn. 11 (2006) 31-60.
 
     Examples
     --------
