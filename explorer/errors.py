@@ -226,8 +226,8 @@ def word(name: str, value: Any) -> str:
     good = isinstance(value, str) and 0 < len(value) <= 80 and not value.startswith(".") and value == value.strip()
     if not good or not value.isprintable() or set(value) & set('/\\:*?"<>|'):
         raise InputError(
-            f"{said(name, value)} is no name, which stands in names of files; give up to 80 letters, digits or "
-            "signs, but none that is special there"
+            f"{said(name, value)} cannot be part of a file's name; give up to 80 printable characters, none of "
+            '/ \\ : * ? " < > |, without a dot or spaces at the ends'
         )
     return str(value)
 

@@ -56,8 +56,8 @@ _TEXTS = {
         "speed towards flat that is not negative, and is large enough to come near flat.",
     ),
     Status.STEP_LIMIT: (
-        "The limit of steps or of nodes was reached before the end of the motion, or before the accuracy asked "
-        "for: the start is slow, or an equilibrium is near.",
+        "The limit of steps or of quadrature points was reached before the end of the motion, or before the "
+        "accuracy asked for: the start is slow, or an equilibrium is near.",
         "Allow larger errors (a larger `accuracy`), or try another `method`.",
     ),
     Status.STEP_TOO_SMALL: (

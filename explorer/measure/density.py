@@ -70,15 +70,15 @@ class Density:
             low, high = self.energy
             raise InputError(f"energy {low:g}:{high:g} is empty; give LOW:HIGH, the smaller number first")
         for name, (mean, deviation) in self.gaussian:
-            told = f"gaussian {pair_said(name, mean, deviation)}"
+            named = f"gaussian {pair_said(name, mean, deviation)}"
             if name not in self.box.free:
-                raise InputError(f"{told}: box has no range for {name}, only for {', '.join(self.box.free)}")
+                raise InputError(f"{named}: box has no range for {name}, only for {', '.join(self.box.free)}")
             low, high = self.box.ranges[name]
             outside = max(low - mean, mean - high) > _NOTHING * deviation
             if outside or not (math.isfinite(mean) and _THINNEST * (high - low) <= deviation < math.inf):
                 raise InputError(
-                    f"{told}: write MEAN:DEVIATION, the deviation at least {_THINNEST:g} of the range in box, and "
-                    f"the mean at most {_NOTHING:g} deviations outside of it"
+                    f"{named}: write MEAN:DEVIATION, the deviation at least {_THINNEST:g} of the range in box, "
+                    f"and the mean at most {_NOTHING:g} deviations outside of it"
                 )
         if self.function is not None and not callable(self.function):
             raise InputError(f"density = {shown(self.function)} cannot be called; give a function of arrays")
@@ -109,7 +109,9 @@ class Density:
             )
         for name in COORDINATES[1:]:
             if max(map(abs, found.ranges[name])) > _FASTEST * disk.rate_unit:
-                raise InputError(f"box {name}: rates beyond {_FASTEST:g} sqrt(g/r) are not sampled; narrow it")
+                raise InputError(
+                    f"box {name}: rates beyond {_FASTEST:g} sqrt(g/r) are not sampled; give a narrower range"
+                )
         if not min(disk.body.I1, disk.body.k) >= _LEAST:
             raise InputError(
                 f"disk: I1/(m r^2) = {disk.body.I1:g}, I3/I1 = {disk.body.k:g}: below {_LEAST:g} the lines of the "

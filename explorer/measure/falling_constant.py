@@ -164,7 +164,9 @@ def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> F
         factor = "energy" if density.energy != ANY_ENERGY else "density"
         raise InputError(f"{factor}: the density is zero in all of the box; widen one of them")
     if mass.value < _LEAST_MASS and density.function is not None:
-        raise InputError(f"density: its integral is {mass.value:.1e}, and loses its digits; multiply it by 1e300")
+        raise InputError(
+            f"density: its integral is {mass.value:.1e}, too small for doubles; multiply the density by 1e300"
+        )
     if density.reaches_flat():
         return FallingConstant(math.inf, math.inf, math.inf, math.inf, mass.value)
     with np.errstate(over="ignore", invalid="ignore"):
@@ -181,7 +183,7 @@ def _check_known(density: Density, what: str, found: Integral) -> None:
     if density.function is None or 0.0 <= found.error <= found.value < math.inf:
         return
     if not (math.isfinite(found.value) and math.isfinite(found.error)):
-        raise InputError(f"density: {what} is beyond doubles; divide it by its largest value")
+        raise InputError(f"density: {what} overflows doubles; divide the density by its largest value")
     raise InputError(
         f"density: {what} would be {found.value:.2g} with an error of {found.error:.2g}: the box is too wide for "
         "it; shrink the box to where it is large"

@@ -115,7 +115,7 @@ class FallingProbability:
         """Draws in the tube of tilt delta beside the line of one face."""
         source = Distribution.of_density(self.disk, self.source)
         tube = self._tubes_drawn.setdefault((face, delta), Tube(source, face, delta, 0.0))
-        drawn = tube.draw_beside_f(random, count)
+        drawn = tube.draw_near_f(random, count)
         place, unit = drawn.place, self.disk.rate_unit
         sigma3, sigma4 = place.chart.rates(drawn.bar * unit, drawn.eta * unit)
         given = face * np.arctan2(place.z, place.q), place.phidot * unit, sigma3, face * sigma4

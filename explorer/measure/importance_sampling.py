@@ -33,7 +33,7 @@ KERNELS = (  # for `compiled.warmup`
 )
 # Tilts below this many delta are drawn plainly: above, the width of a tube settles in a few rounds. With a larger
 # delta than this they would be all there are.
-_BESIDE_FLAT, LARGEST_DELTA = 10.0, 0.1
+_NEAR_FLAT, LARGEST_DELTA = 10.0, 0.1
 # Cells: their edges from 1e-13 rad on, four in a decade; into how many parts each is cut; and the draws of a part,
 # which say how often the others come from it.
 _TOWARDS_FLAT, _PARTS, _PILOT = 57, 2, 64
@@ -83,14 +83,14 @@ class NearFallingSet:
 
     def below(self, delta: float, random: Stream, draws: int) -> Rare:
         """P(theta_min < delta), by so many draws at each face."""
-        tubes = [Tube(self.source, face, delta, _BESIDE_FLAT * delta) for face in (1, -1)]
+        tubes = [Tube(self.source, face, delta, _NEAR_FLAT * delta) for face in (1, -1)]
         strata = [[self._in_tube(tube, random, n) for n in _blocks(draws)] for tube in tubes if tube.own.any()]
-        strata += [[self._beside_flat(*end, random, n) for n in _blocks(draws // 4)] for end in self._flat(delta)]
+        strata += [[self._near_flat(*end, random, n) for n in _blocks(draws // 4)] for end in self._flat(delta)]
         return _added([_sums(parts, delta) for parts in strata])
 
     def _in_tube(self, tube: "Tube", random: Stream, count: int) -> Weighted:
         """Draws of a tube, and where in it they come to."""
-        drawn = tube.draw_beside_f(random, count)
+        drawn = tube.draw_near_f(random, count)
         rows = np.flatnonzero((drawn.weight > 0.0) & drawn.within)
         theta = np.full(count, np.inf)
         theta[rows] = smallest_tilts(drawn.states(self.source.disk, tube.face, rows), self.count, self.accuracy)[0]
@@ -99,18 +99,18 @@ class NearFallingSet:
     def _flat(self, delta: float) -> Iterator[tuple[float, float]]:
         """The ranges of the tilt that lie beside flat, where its density is not zero there."""
         ends = (-0.5 * math.pi, 0.5 * math.pi) if self.source.tilt.name == "phi" else (0.0, math.pi)
-        beside = _BESIDE_FLAT * delta
+        beside = _NEAR_FLAT * delta
         for end, inward in zip(ends, (beside, -beside), strict=True):
             if self.source.tilt.free and self.source.tilt.density(end + inward * np.linspace(0.0, 1.0, 17)).any():
                 yield end, inward
 
-    def _beside_flat(self, end: float, inward: float, random: Stream, count: int) -> Weighted:
+    def _near_flat(self, end: float, inward: float, random: Stream, count: int) -> Weighted:
         """Plain draws with a tilt between flat and so far inward."""
         name = self.source.tilt.name
         columns = self.source.draw(random, count)
         columns[name] = end + inward * (1.0 - random.random(count))
         weight = self.source.tilt.density(columns[name]) * abs(inward)
-        if end != 0.0 and abs(inward) < _BESIDE_FLAT * _RESOLVED:
+        if end != 0.0 and abs(inward) < _NEAR_FLAT * _RESOLVED:
             return Weighted(weight, np.full(count, np.nan))
         states = self.source.states(columns)
         theta, _ = smallest_tilts(states, self.count, self.accuracy)
@@ -188,7 +188,7 @@ class Tube:
         shares: Array = (1.0 - _OWN) * hits / hits.sum() + _OWN * self.own / self.own.sum()
         return shares
 
-    def draw_beside_f(self, random: Stream, count: int) -> Drawn:
+    def draw_near_f(self, random: Stream, count: int) -> Drawn:
         """Draws of all coordinates; where most states lie in the tube, most pairs are drawn as distributed."""
         cell = np.searchsorted(np.cumsum(self.shares)[:-1], random.random(count), "right")
         tilt = self._in_cells(cell, random)

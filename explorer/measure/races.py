@@ -116,10 +116,10 @@ def count_law(
         constant = np.log(1.0 / eta) - side * (race - side * disk.race_limit) / scale
         constant[~(np.isfinite(constant) & (scale > _ROUNDING))] = np.nan
         step = np.floor(np.log10(eta) * PER_STEP + 1e-9)
-        doubt = None if error is None else (error * eta / scale)[np.isfinite(constant)]
-    if doubt is not None and doubt.size:
-        largest = 99 * doubt.size // 100
-        step[~(eta > np.partition(doubt, largest)[largest])] = np.nan
+        bound = None if error is None else (error * eta / scale)[np.isfinite(constant)]
+    if bound is not None and bound.size:
+        largest = 99 * bound.size // 100
+        step[~(eta > np.partition(bound, largest)[largest])] = np.nan
     tally.count(constant, step)
 
 

@@ -41,12 +41,12 @@ class Ranges:
     def check(self, what: str) -> None:
         """Raise InputError where a range is empty or goes beyond what the coordinate may be."""
         for name, (low, high) in self.ranges.items():
-            told = f"{what} {pair_said(name, low, high)}"
+            named = f"{what} {pair_said(name, low, high)}"
             if not -math.inf < low <= high < math.inf:
-                raise InputError(f"{told}: give finite numbers as LOW:HIGH, the smaller one first")
+                raise InputError(f"{named}: give finite numbers as LOW:HIGH, the smaller one first")
             least, most, words = _ENDS.get(name, (-math.inf, math.inf, ""))
             if not (least <= low and high <= most):
-                raise InputError(f"{told} must lie between {words}; where it is in degrees, say so")
+                raise InputError(f"{named} must lie between {words}; where it is in degrees, say so")
             if name != "face" and low == high and low in (least, most):
                 raise InputError(f"{what} {name} is flat; give a number between {words}")
 

@@ -231,10 +231,13 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     require_axial_inertia(disk)
     side = sign("side", side)
     if len(states) != 1:
-        raise InputError(f"limit motion: needs one state, {len(states)} were given")
+        raise InputError(f"state_on_f: takes one state, {len(states)} were given; choose one, as in states[0]")
     where, motion = falls_of(states), states.motion
     if not bool(where.could_fall[0]):
-        raise InputError("limit motion: the disk could not fall from this state; see explorer.falls")
+        raise InputError(
+            "state_on_f: the disk would not fall from this state whatever eta is; choose one with "
+            "ex.falls(...).could_fall"
+        )
     z, p, bar = (float(row[0]) for row in (states.rows.z, states.rows.p, motion.sigma3_bar))
     nearer = int(where.face[0])
     eta_hat = disk.eta_to_eta_hat(float(motion.eta(np.array([nearer > 0]))[0]))

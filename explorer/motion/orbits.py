@@ -136,7 +136,7 @@ def orbits_of(
     narrow = (ends.width < compiled.nutation.WIDEST) & ~ends.beside_crest
     rows = np.flatnonzero(narrow)
     if rows.size:
-        whole, *parts = _wobbles(disk, rows_of(motions, rows), ends, rows)
+        whole, *parts = _nutations(disk, rows_of(motions, rows), ends, rows)
         if lead:
             here[:, rows], back[:, rows], ahead[:, rows] = parts
         else:  # where the vertical lies in a well is not known as well as the well
@@ -195,7 +195,7 @@ def _by_tables(disk: Disk, X: Array, Y: Array, K: Array) -> Array:
 
 
 @np.errstate(over="ignore")  # of motions that are no input
-def _wobbles(disk: Disk, motions: ArcStarts, ends: Ends, rows: NDArray[np.intp]) -> tuple[Array, ...]:
+def _nutations(disk: Disk, motions: ArcStarts, ends: Ends, rows: NDArray[np.intp]) -> tuple[Array, ...]:
     """Of motions whose turning points are near together the arc between these, and the same arcs as above."""
     inner, outer, vertical = (rows_of(place, rows) for place in (ends.inner, ends.outer, ends.vertical))
     crosses, far = ends.crosses[rows], ends.far.d[rows]

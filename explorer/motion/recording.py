@@ -139,7 +139,7 @@ def _record(given: InitialValues, t_end: float, number: int) -> tuple[Records, O
     found = follow(given, compiled.events.TIME, np.full(1, t_end), history)
     if used[0] > room:
         raise InputError(
-            f"t_end: so dense, curves of {number} motion(s) take more than {MOST_POINTS:,} times; "
+            f"t_end = {t_end:g}: the curves of {number} motion(s) would take more than {MOST_POINTS:,} times; "
             "give t_eval, fewer states or a smaller t_end"
         )
     ends = found.out[:, 0]

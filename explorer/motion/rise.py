@@ -32,8 +32,8 @@ _KNOWN = 1e-3  # how well K must be known, or where its next zero is
 _FLAT_FROM = 300.0  # in x: what lies below is flat
 _NEWTON_STEPS = 5  # from a table as fine as the nodes, three double the digits up to rounding; two to spare
 _ENDLESS = (
-    "limit motion: the motion comes to rest within rounding of an equilibrium or a separatrix, "
-    "where the period is infinite"
+    "state_on_f: the motion comes to rest within rounding of an equilibrium or a separatrix, so its period is "
+    "infinite; change phidot or sigma3 slightly"
 )
 
 
@@ -117,26 +117,26 @@ class Rise:
 
         # On F it is slowest on the near face where that ends, so that K is taken from there.
         near, there = (beyond(outer), outer) if crossed else (outer, beyond(outer))
-        ways, self.upright = [stretch(near, False, True, np.inf)], crosses and bool(X[0] == 0.0)
-        given, distance = ways[0], outer.d[0]
+        arcs, self.upright = [stretch(near, False, True, np.inf)], crosses and bool(X[0] == 0.0)
+        given, distance = arcs[0], outer.d[0]
         if self.upright:
-            ways.append(stretch(there, True, False, np.inf))
+            arcs.append(stretch(there, True, False, np.inf))
         elif crosses:
             end, length = (ends.inner, outer.d + ends.inner.d) if crossed else (ends.far, ends.far.d)
             half = 0.5 * float(length[0])
-            ways += stretch(there, True, False, half), stretch(end, True, True, half)
+            arcs += stretch(there, True, False, half), stretch(end, True, True, half)
             if crossed:
-                given, distance = (ways[1], outer.d[0]) if outer.d[0] < half else (ways[2], ends.inner.d[0])
+                given, distance = (arcs[1], outer.d[0]) if outer.d[0] < half else (arcs[2], ends.inner.d[0])
         self._disk, self._reached = disk, np.zeros(4, np.complex128)  # time, chi, psi and the centre
         self._pieces = list[tuple[Stretch, list[Chebyshev]]]()  # with series of these in u
-        self.impact_speed = float(ways[0].points(disk, np.array([-1.0]))[2][0])
-        for way in ways:
-            low = -1.0 if way.before else 0.0
-            state = way.u_at(distance) if way is given else low
-            self._lay(way, low, state)
-            if way is given:
+        self.impact_speed = float(arcs[0].points(disk, np.array([-1.0]))[2][0])
+        for arc in arcs:
+            low = -1.0 if arc.before else 0.0
+            state = arc.u_at(distance) if arc is given else low
+            self._lay(arc, low, state)
+            if arc is given:
                 self.offset = float(self._reached[0].real)
-            self._lay(way, state, low + 1.0)
+            self._lay(arc, state, low + 1.0)
         self._starts = np.array([when(when.domain[0]) for _stretch, (when, *_) in self._pieces])
         self.half, self.chi_half, self.psi_half = self._reached[:3].real.tolist()
         self.centre_half = complex(self._reached[3])

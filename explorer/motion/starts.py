@@ -24,11 +24,11 @@ def status_at_start(states: States, sided: bool = True) -> NDArray[np.int8]:
     """
     code, motion = compiled.status.Status, states.motion
     near = motion.nearer_plus
-    doubtful = motion.rounding(near) >= _RESOLVED * abs(motion.eta(near))
-    if not (states.disk.body.I3 > 0.0 and doubtful.any()):
+    unresolved = motion.rounding(near) >= _RESOLVED * abs(motion.eta(near))
+    if not (states.disk.body.I3 > 0.0 and unresolved.any()):
         return states.status.copy()
     falls = falls_of(states)
-    unknown = sided & doubtful & falls.could_fall & ~falls.on_f & (falls.status == code.OK)
+    unknown = sided & unresolved & falls.could_fall & ~falls.on_f & (falls.status == code.OK)
     return np.where(unknown, code.UNRESOLVED_SIDE, falls.status).astype(np.int8)
 
 

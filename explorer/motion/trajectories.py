@@ -272,7 +272,7 @@ def simulate(
     end, times = _times(t_end, t_eval)
     names = [one_of("observable", name, (*_OTHERS, *ALL)) for name in words("observables", observables)]
     if not names:
-        raise InputError(f"observables: none; give some of {', '.join((*_OTHERS, *ALL))}")
+        raise InputError(f"observables: the list is empty; give some of {', '.join((*_OTHERS, *ALL))}")
     how = plan(names, accuracy, method)
     chi0 = number("chi0", chi0, -_MOST_TURNED, _MOST_TURNED)
     start = recording.motions(states, how, chi0, whole("max_steps", max_steps, 1, _MOST_STEPS))
@@ -324,7 +324,7 @@ def _times(t_end: float | None, t_eval: ArrayLike | None) -> tuple[float, Array 
     """The end of the motion, and the times that were given."""
     if t_eval is None:
         if t_end is None:
-            raise InputError("t_end: give the end of the time, or the times themselves as t_eval")
+            raise InputError("t_end: is missing; give the end of the time, or the times themselves as t_eval")
         return positive("t_end", t_end), None
     times = columns_of(t_eval=t_eval)[0]
     if not (times.size > 0 and np.isfinite(times).all() and np.all(np.diff(times) > 0.0) and times[0] >= 0.0):

@@ -233,7 +233,9 @@ def wander_path(states: States, count: int) -> WanderPath:
     3.0 periods
     """
     if len(require_states(states)) != 1:
-        raise InputError(f"states: wander follows one motion, {len(states)} were given")
+        raise InputError(
+            f"states: wander_path follows one motion, {len(states)} were given; choose one, as in states[0]"
+        )
     count = whole("count", count, 1, _MOST_PERIODS)
     each = wander(states)
     if each.status[0] != compiled.status.Status.OK:

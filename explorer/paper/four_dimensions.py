@@ -105,5 +105,5 @@ def shot_slope(disk: Disk) -> float:
 
 
 def upright(disk: Disk, eta_hat: float = 0.0, face: int = 1) -> tuple[float, float, float, float]:
-    """(phi, phidot, sigma3, sigma4) of `checks.beside_the_line`, its line found by shooting."""
+    """(phi, phidot, sigma3, sigma4) of `checks.near_the_line`, its line found by shooting."""
     return 0.0, float(face), 1.0, face * (shot_slope(disk) - eta_hat)

@@ -163,16 +163,16 @@ def period() -> Iterator[Finding]:
         by_explorer = periods(phi_to_states(disk, *state), accuracy=1e-12).period[0]
         times = np.linspace(0.0, 0.6 * unit, 5)
         phi = followed(disk, state, times).phi
-        legs = [swing.time(phi[0], angle) for angle in phi]
+        found = [swing.time(phi[0], angle) for angle in phi]
         swung = abs(moments[2] - moments[0] - tau) / tau
-        return [swung, abs(by_explorer / tau - 1.0), distance(legs, times) / unit]
+        return [swung, abs(by_explorer / tau - 1.0), distance(found, times) / unit]
 
-    swung, whole, legs = worst(gaps)
+    swung, whole, found = worst(gaps)
     text = f"(3.13) less the time between turning points of (2.15)–(2.18), relative, {OF_BODIES}"
     yield near(text, swung, 0.0, 1e-10, "rtol 1e-12, events located in its interpolant")
     text = "(3.13) less the explorer's period, relative"
     yield near(text, whole, 0.0, 1e-11, "E − V cancels by three digits at the outer nodes")
-    yield near("(3.12) less the times of the explorer's motion", legs, 0.0, 1e-10, "its accuracy 1e-11")
+    yield near("(3.12) less the times of the explorer's motion", found, 0.0, 1e-10, "its accuracy 1e-11")
 
 
 @statement(13, "PERIODIC")

@@ -98,11 +98,11 @@ def codimension_one() -> Iterator[Finding]:
     random = np.random.Generator(np.random.Philox(35))
     for disk in (UNIFORM, HOOP, THICK):
         density = Density.of(disk)
-        C, beside_f = falling_constant(disk), FallingProbability(disk, density, deltas, 1e-6, draws, 0)
+        C, near_f = falling_constant(disk), FallingProbability(disk, density, deltas, 1e-6, draws, 0)
         value, error = np.zeros(3), np.zeros(3)
         for i, delta in enumerate(deltas):
             for face in (1, -1):
-                drawn = beside_f.draw(face, float(delta), random, draws)
+                drawn = near_f.draw(face, float(delta), random, draws)
                 hit = np.where(drawn.theta_min < delta, drawn.weight, 0.0)
                 value[i] += hit.mean()
                 error[i] = np.hypot(error[i], hit.std() / np.sqrt(draws))

@@ -25,10 +25,10 @@ from explorer.paper.checks import (
     THICK,
     UNIFORM,
     at_most,
-    beside_the_line,
     exponent,
     logarithmic,
     near,
+    near_the_line,
     observed,
 )
 from explorer.paper.closed_forms import eta_per_eta_hat, flat_potential, impact_speed
@@ -172,12 +172,12 @@ def elastic_reflection() -> Iterator[Finding]:
     """7.1: as η → 0 φ(t) converges to the motion on F with elastic reflections at flat."""
     etas = np.array([1e-3, 1e-4, 1e-5, 1e-6])
     for disk, face, sign in ((UNIFORM, 1, 1), (HOOP, -1, 1), (THICK, 1, -1)):
-        limit = limit_motion(beside_the_line(disk, 0.0, face), sign)
+        limit = limit_motion(near_the_line(disk, 0.0, face), sign)
         times = np.linspace(0.0, 2.5 * limit.period, 300)
         away = abs(times[:, None] - limit.impacts(3.0 * limit.period)).min(axis=1) > 0.05 * limit.period
         want, sup = limit(times[away]).phi, []
         for eta_hat in etas:
-            start = beside_the_line(disk, sign * eta_hat, face)
+            start = near_the_line(disk, sign * eta_hat, face)
             sup.append(float(abs(observed(disk, start, times[away], "phi")[0][0] - want).max()))
         where = f"{disk.name}, face {face:+d}, sgn η {sign:+d}:"
         order, why = exponent(etas, sup), "within O(η ln 1/η): φ shows no logarithm, its delay is of order η"

@@ -22,10 +22,10 @@ from explorer.paper.checks import (
     THICK,
     UNIFORM,
     at_most,
-    beside_the_line,
     exponent,
     followed,
     near,
+    near_the_line,
     observed,
 )
 from explorer.paper.closed_forms import eta_per_eta_hat, flat_spin
@@ -59,7 +59,7 @@ def beside(disk: Disk, face: int, sign: int, eta_hat: float, sigma3_bar: float =
     wait = np.sqrt(eta_hat)
     grid = np.array([-2.0, -1.0, 0.0, 1.0, 2.0]) * 0.02 * wait
     times = 0.5 * whole.duration[0] + np.concatenate([grid - wait, grid + wait])
-    run = followed(disk, beside_the_line(disk, sign * eta_hat, face, sigma3_bar), times)
+    run = followed(disk, near_the_line(disk, sign * eta_hat, face, sigma3_bar), times)
     weights = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / (12.0 * 0.02 * wait)
     at = [2, 7]
     chi, s3, s4, q, z = run.chi[at], run.sigma3[at], run.sigma4[at], np.cos(run.phi[at]), np.sin(run.phi[at])
@@ -122,7 +122,7 @@ def _where_lemma_7_holds() -> Iterator[Finding]:
     """Lemma 7's stretch: sigma4 has its limit (7.20) already, and the race is not on."""
     flat = 0.5 * passages(UNIFORM, 1.0, 1e-8, 1.0, accuracy=EXACT).duration[0]
     times = flat - np.geomspace(2e-2, 2e-3, 20)
-    phi, sigma4 = (row[0] for row in observed(UNIFORM, beside_the_line(UNIFORM, 1e-8), times, "phi", "sigma4"))
+    phi, sigma4 = (row[0] for row in observed(UNIFORM, near_the_line(UNIFORM, 1e-8), times, "phi", "sigma4"))
     s1 = np.sin(phi[abs(sigma4 - flat_spin(UNIFORM)) < 1e-2])
     text = "uniform, η̂ = 1e-8, falling to face +1: 1 − σ₁ where σ₄ is within 0.01 of (7.20); as printed, 1 + σ₁"
     off, why = {"Lemma 7, proof": np.min(1.0 + s1)}, "far above |ε| = 1e-8, far below 1"
@@ -168,8 +168,8 @@ class Risen:
 @lru_cache
 def risen(disk: Disk, sign: int, eta_hat: float = 1e-8) -> Risen:
     """From the vertical with speed and sigma3_bar of 1 towards face +1, approached from sgn(eta) = sign."""
-    time = 5.0 / 3.0 * limit_motion(beside_the_line(disk, 0.0)).impacts(9.0)[:1]
-    start = beside_the_line(disk, sign * eta_hat)
+    time = 5.0 / 3.0 * limit_motion(near_the_line(disk, 0.0)).impacts(9.0)[:1]
+    start = near_the_line(disk, sign * eta_hat)
     phi, chi, psi, path = (row[0, 0] for row in observed(disk, start, time, "phi", "chi", "psi", "path"))
     return Risen(float(chi), plain.rotation(phi, chi, psi), path)
 
@@ -224,7 +224,7 @@ def _through_the_race(disk: Disk, eta_hat: float) -> tuple[Passages, Any]:
     whole = passages(disk, 1.0, eta_hat, 1.0, accuracy=EXACT)
     y = np.linspace(-5.0, 5.0, 401)
     times = 0.5 * whole.duration[0] + whole.theta_min[0] / whole.impact_speed[0] * np.sinh(y)
-    run = followed(disk, beside_the_line(disk, eta_hat), times)
+    run = followed(disk, near_the_line(disk, eta_hat), times)
     for name in ("path", "contact"):
         velocity = np.gradient(getattr(run, name), times, axis=0, edge_order=2)
         setattr(run, f"{name}_speed", np.linalg.norm(velocity, axis=1))
@@ -324,7 +324,7 @@ def spin() -> Iterator[Finding]:
         limit = limit_motion(phi_to_states(disk, 0.0, 1.0, 0.0, 0.0), 1)
         hits = limit.impacts(2.2 * limit.period)
         times = 0.5 * (hits[0] + hits[1]) + np.array([0.0, limit.period])
-        start = beside_the_line(disk, 1e-8, sigma3_bar=0.0)
+        start = near_the_line(disk, 1e-8, sigma3_bar=0.0)
         chi, psi = (row[0] for row in observed(disk, start, times, "chi", "psi"))
         why, what = "midway between impacts; η ln(1/η)", f"{disk.name}, σ̄₃ = 0, after impacts on faces + and −:"
         yield near(f"{what} χ/Δχ", chi / unit, [1.0, 0.0], 1e-6, why)

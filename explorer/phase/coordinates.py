@@ -276,10 +276,12 @@ def recognise(names: Collection[str], what: str = "states") -> Chart:
     if there:
         nearest = max(CHARTS, key=lambda chart: len(set(chart.needed) & set(there)) / len(chart.needed))
         missing = [name for name in nearest.needed if name not in there]
-        raise InputError(f"{what}: {', '.join(there)}: these alone say no state; add {' and '.join(missing)}")
+        raise InputError(
+            f"{what}: {', '.join(there)}: these alone do not determine a state; add {' and '.join(missing)}"
+        )
     shown = ", ".join(list(names)[:6]) or "none"
     sets = "; ".join(", ".join(chart.needed) for chart in CHARTS[:5])
-    raise InputError(f"{what}: {shown}: they say no state; give one of these sets: {sets}")
+    raise InputError(f"{what}: {shown}: they do not determine a state; give one of these sets: {sets}")
 
 
 def chart_of(what: str, given: Mapping[str, T], zero: T) -> tuple[Chart, dict[str, T]]:
@@ -292,7 +294,7 @@ def chart_of(what: str, given: Mapping[str, T], zero: T) -> tuple[Chart, dict[st
     chart = recognise(given, what)
     unused = [name for name in given if name not in chart.names]
     if unused:
-        raise InputError(f"{what}: {', '.join(unused)}: leave out; the state is said without")
+        raise InputError(f"{what}: {', '.join(unused)}: leave out; the other coordinates determine the state")
     values = {name: zero for name in chart.optional if name != "face"} | dict(given)
     return chart, {name: values[name] for name in chart.present(values)}
 

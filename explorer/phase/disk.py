@@ -208,7 +208,7 @@ class Disk:
         0.02
         """
         if not isinstance(text, str):
-            raise InputError(f"disk = {shown(text)} is no text; choose {SYNTAX}")
+            raise InputError(f"disk = {shown(text)} is not text; choose {SYNTAX}")
         head, _, rest = text.strip().partition(":")
         if head == "annulus":
             inner, _, scales = rest.partition(",")
@@ -390,7 +390,7 @@ def _quantities(text: str) -> dict[str, str]:
     pairs = [item.partition("=") for item in text.split(",") if item.strip()]
     for key, equals, _ in pairs:
         if not equals:
-            raise InputError(f"disk: {shown(key.strip())} says no quantity; write NAME=VALUE, as m=1,r=0.5")
+            raise InputError(f"disk: {shown(key.strip())} is not NAME=VALUE; write for instance m=1,r=0.5")
     given = {key.strip(): value.strip() for key, _, value in pairs}
     read = {key: _in_si(key, value) for key, value in given.items()}
     # Where one has a unit all are SI, and the disk rolls on the Earth.

@@ -23,9 +23,9 @@ def read_toml(path: Path, option: str) -> dict[str, Any]:
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise InputError(f"{option} {path}: cannot be read ({error.strerror})") from None
+        raise InputError(f"{option} {path}: cannot be read ({error.strerror}); check the path") from None
     except ValueError as error:
-        raise InputError(f"{option} {path}: not valid TOML ({error})") from None
+        raise InputError(f"{option} {path}: not valid TOML ({error}); correct the file") from None
 
 
 def made_folder(name: str, folder: Path) -> Path:

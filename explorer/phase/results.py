@@ -135,11 +135,11 @@ class Table:
             if name in _SIDED and side is not None and np.unique(np.sign(side[parts[""]])).size > 1:
                 parts = {f" where eta {sign} 0": parts[""] & (side * s > 0) for s, sign in ((1, ">"), (-1, "<"))}
             unit = unit_of(name, getattr(getattr(self, "states", self), "disk", None))
-            told = [
+            ranges = [
                 f"{_spread(values[rows])} {unit}".rstrip() + where for where, rows in parts.items() if rows.any()
             ]
-            if told:
-                lines.append((name, "; ".join(told)))
+            if ranges:
+                lines.append((name, "; ".join(ranges)))
         return lines
 
     def _title(self) -> str:
@@ -209,15 +209,15 @@ class Result(WithStatus, Table):
 
         status: of all rows, before this result was found for some of them.
         """
-        told = np.empty((status.size, *self.shape[1:]), np.int8)
-        told[:] = status.reshape(-1, *(1,) * (told.ndim - 1))
-        told[rows] = self.status
+        expanded = np.empty((status.size, *self.shape[1:]), np.int8)
+        expanded[:] = status.reshape(-1, *(1,) * (expanded.ndim - 1))
+        expanded[rows] = self.status
         arrays: dict[str, NDArray[Any]] = {}
         for name, values in self._arrays().items():
             blank = np.array(np.nan if values.dtype.kind == "f" else 0, values.dtype)
-            arrays[name] = np.full(told.shape, blank)
+            arrays[name] = np.full(expanded.shape, blank)
             arrays[name][rows] = np.where(self.ok, values, blank)
-        return replace(self, **arrays | {"status": told})  # type: ignore[type-var]
+        return replace(self, **arrays | {"status": expanded})  # type: ignore[type-var]
 
     def _good(self) -> NDArray[np.bool_]:
         return self.ok

@@ -94,7 +94,7 @@ class States(WithStatus):
         columns = (status, *(self.given or ()))
         if not right or natural.shape != (5, status.size) or any(c.shape != (status.size,) for c in columns):
             what = f"natural = {shown(natural)}, status = {shown(status)}"
-            raise InputError(f"States: {what}; let phi_to_states and its like make them")
+            raise InputError(f"States: {what}; make them by phi_to_states or another of its kind")
         object.__setattr__(self, "shape", self.shape or (status.size,))
 
     def __repr__(self) -> str:

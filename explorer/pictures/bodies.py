@@ -82,8 +82,8 @@ def _marks(
     beside: Mapping[float, tuple[int, int]],
 ) -> None:
     """Bodies whose limits agree, those measured, and those with a name, which stands `beside` its mark."""
-    told = r"$\kappa$ whole: both limits agree"
-    ax.plot(matching, height(np.sqrt(1.0 + matching)), "D", color=SERIES[1], ms=7, label=told)
+    label = r"$\kappa$ whole: both limits agree"
+    ax.plot(matching, height(np.sqrt(1.0 + matching)), "D", color=SERIES[1], ms=7, label=label)
     ax.plot(x, height(measured), "o", mfc="none", mec=DARK, ms=12, label="measured near $F$")
     for ratio, name in _NAMED.items():
         at = ratio, float(height(np.array(math.sqrt(1.0 + ratio))))

@@ -43,11 +43,11 @@ def _estimates(ax: Axes, summary: dict[str, Any]) -> None:
         ax.loglog(delta, constant * delta, color=DARK, lw=1.2, label=rf"$C\,\delta$, $C={constant:.5f}$")
         laws = known_laws(constant, summary.get("law_limit", delta[0]))
         plateau = rf"falls with $P = 10^{{{np.log10(PLATEAU):.0f}}}$"
-        for name, colour, style, told in (
+        for name, colour, style, formula in (
             ("dimension_two", SERIES[6], ":", r"$\propto\delta^2$"),
             ("plateau", SERIES[4], "--", plateau),
         ):
-            shares, label = laws[name](delta), f"{_verdict(summary, name)}: {told}"
+            shares, label = laws[name](delta), f"{_verdict(summary, name)}: {formula}"
             ax.loglog(delta[shares < 1.0], shares[shares < 1.0], color=colour, ls=style, lw=1.8, label=label)
     tubes = [(row["delta"], row["estimate"], row["interval_95_simultaneous"]) for row in rows]
     _points(ax, tubes, fmt="o", color=_TUBES, label=_NEAR)

@@ -113,7 +113,7 @@ def _least(parts: Sequence[Mapping[str, Any]]) -> float:
 
 def _angles(ax: Axes, found: Mapping[str, Any]) -> None:
     """Race angles of both sides on one plain axis, and how many go the other way, where that is known."""
-    limit, wrong, told = found["limit"], found.get("wrong_way"), []
+    limit, wrong, notes = found["limit"], found.get("wrong_way"), []
     histogram = found["histogram"]
     for name, side in _SIDES.items():
         counts, outside = np.array(histogram[f"counts_{name}"]), histogram[f"outside_{name}"]
@@ -121,9 +121,9 @@ def _angles(ax: Axes, found: Mapping[str, Any]) -> None:
         ax.stairs(high / max(int(high.max()), 1), edges, fill=True, color=SIGN_COLOURS[side])
         words = f"{counts.sum() + outside:,}\nwith {SIDES[side]}"
         ax.text(0.5 * side * limit, 0.9, words, ha="center", va="top", fontsize=SMALL)
-        told += [f"{outside:,} of {SIDES[side]} lie outside"] if outside else []
-    told += [] if wrong is None else [f"{wrong:,} race the wrong way" if wrong else "none races the wrong way"]
-    ax.text(0.5, 0.15, "\n".join(told), ha="center", transform=ax.transAxes, fontsize=SMALL)
+        notes += [f"{outside:,} of {SIDES[side]} lie outside"] if outside else []
+    notes += [] if wrong is None else [f"{wrong:,} race the wrong way" if wrong else "none races the wrong way"]
+    ax.text(0.5, 0.15, "\n".join(notes), ha="center", transform=ax.transAxes, fontsize=SMALL)
     ax.set(xlim=(-1.5 * limit, 1.5 * limit), ylim=(0.0, 1.1), yticks=[])
     ticks = [-limit, -np.pi, 0.0, np.pi, limit]
     ax.set_xticks(ticks, [r"$-\kappa\pi$", "−π", "0", "π", r"$+\kappa\pi$"])

@@ -99,9 +99,9 @@ def _lines_of_f(ax: Axes, cut: SliceMap, face: int) -> Iterator[Line2D]:
     name, falls = ("+", (0, (8, 5))) if face > 0 else ("−", (0, (1, 2)))  # gaps let the valley show
     # A state that hardly moves could fall on one side of F alone: with eta set to 0 it would be below its own V.
     near = binary_dilation(could, np.ones((3, 3)))
-    for mask, told, style, width in ((near, f"$F$, face {name}1", falls, 1.8), (~could, _NO_FALL, "-", 0.7)):
+    for mask, words, style, width in ((near, f"$F$, face {name}1", falls, 1.8), (~could, _NO_FALL, "-", 0.7)):
         if _zero_line(ax, cut, np.where(mask, distance, np.nan), style, width):
-            yield Line2D([], [], color=LAW, ls=style, lw=width, label=told)
+            yield Line2D([], [], color=LAW, ls=style, lw=width, label=words)
 
 
 def _of_face(cut: SliceMap, face: int) -> tuple[Array, NDArray[np.bool_]]:
@@ -157,8 +157,8 @@ def slice_of_sides(ax: Axes, cut: SliceMap) -> None:
         marks = ax.contourf(cut.x, cut.y, never, [0.5, 1.5], colors="none", hatches=["////"])
         marks.set_edgecolor(_HATCH)
         marks.set_linewidth(0.0)
-        told = r"no fall at $\eta = 0$, same $\varphi$, $\bar\sigma_3$, $E$"
-        handles.append(Patch(fc="white", ec=_HATCH, hatch="////", label=told))
+        words = r"no fall at $\eta = 0$, same $\varphi$, $\bar\sigma_3$, $E$"
+        handles.append(Patch(fc="white", ec=_HATCH, hatch="////", label=words))
     if cut.falls.face.min() < cut.falls.face.max():
         # The face is not known on a line where both are as near: a contour of it would only follow rounding.
         smooth = abs(cut.falls.distance_plus) - abs(cut.falls.distance_minus)

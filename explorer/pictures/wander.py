@@ -80,7 +80,7 @@ def walk_of(disk: Disk) -> Walk:
             whole = int(max(np.floor(turns[i]), np.floor(turns[i + 1])))
             bar, start = resonance(disk, eta_hat, phidot, whole, (bars[i], bars[i + 1]))
             return Walk(bars, eta_hat, phidot, whole, bar, start)
-    raise InputError("--disk: no resonance chi(tau) = 2 pi n was found for this disk; take another one")
+    raise InputError(f"disk {disk.name}: no resonance chi(tau) = 2 pi n was found; choose another disk")
 
 
 @picture(

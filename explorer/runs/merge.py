@@ -46,10 +46,12 @@ def merge(*runs: Run) -> Run:
             raise InputError(f"{shown(run)} is no run; give runs one after the other: merge(one, two)")
     parts = sorted((part for run in runs for part in run.parts), key=lambda part: part.scene.seed)
     if len(parts) < 2:
-        raise InputError("takes two runs or more; give them one after the other")
+        raise InputError(f"{len(parts)} runs were given; merge takes two or more")
     first = parts[0].scene
     if "samples" not in first.options or first.options.get("states") is not None:
-        raise InputError(f"{first.name} draws no samples here, so another run of it says the same")
+        raise InputError(
+            f"{first.name} draws no random samples here, so a second run adds nothing; use one of them"
+        )
     for one, two in pairwise(parts):
         for key, here, there in differing(one.identity, two.identity):
             if key not in _FREE:

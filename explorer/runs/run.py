@@ -318,10 +318,10 @@ class Run:
             faults.append(f"{len(missing):,} of {due:,} chunks are missing: {named}")
         looked_at = store.examined(chunks, due, folders.digest_of_identity(known), rows=True)
         faults += [f"{chunk.name}: {fault}" for chunk, fault in looked_at if fault]
-        told = self.folder and self.folder / "summary.json"
-        if not faults and told and told.exists():
+        summary = self.folder and self.folder / "summary.json"
+        if not faults and summary and summary.exists():
             with contextlib.suppress(InputError):  # without the file of a user's scene nothing is added up
-                if not told.is_file() or told.read_bytes() != store.as_json(
+                if not summary.is_file() or summary.read_bytes() != store.as_json(
                     Run(self.scene, folder=self.folder).summary
                 ):
                     faults.append("summary.json: does not belong to these chunks; run `nearflat summary`")
@@ -440,10 +440,10 @@ def _fill(asked: RunRequest, folder: Path, record: dict[str, Any]) -> Run:
     with stopping(settings.onward) as stop:
         deque(_computed(asked, missing, stop), maxlen=0)
         how |= {"chunks_computed": len(missing), "seconds_for_chunks": round(time.monotonic() - clock, 3)}
-        run, told, drawn = Run(scene, folder=folder), folder / "summary.json", folder / "figures"
-        if told.exists() and told.read_bytes() != store.as_json(run.summary):
+        run, summary, drawn = Run(scene, folder=folder), folder / "summary.json", folder / "figures"
+        if summary.exists() and summary.read_bytes() != store.as_json(run.summary):
             shutil.rmtree(drawn, ignore_errors=True)  # pictures of fewer samples
-        store.write_json(told, run.summary)
+        store.write_json(summary, run.summary)
         if how["formats"] and not _draw_missing(run, how["formats"], stop):
             raise Interrupted(f"all samples are stored, pictures are missing; {settings.onward}")
     folders.write_record(folder, scene, {**how, "finished": folders.now()})

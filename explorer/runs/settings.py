@@ -106,12 +106,14 @@ def asked(name: Any, given: Mapping[str, Any], command: str | None = None, exist
     settings, rest = Settings.apart({"exist": exist, **{k: v for k, v in given.items() if v is not None}})
     if settings.rng is not None:
         if "seed" in rest:
-            raise InputError("rng and seed say the same; leave one out")
+            raise InputError("rng and seed set the same; leave one out")
         rest["seed"] = settings.rng
     kind = type(name) if isinstance(name, Scene) else scene_class(name)
     taken = {*_WORDS, *(each.name for each in options_of(Settings))} & {each.name for each in options_of(kind)}
     if taken:
-        raise InputError(f"scene {kind.__name__}: {min(taken)} is a word of runs; call your option otherwise")
+        raise InputError(
+            f"scene {kind.__name__}: {min(taken)} is the name of a setting of runs; give your option another name"
+        )
     scene = name if isinstance(name, Scene) else kind.of(rest)
     if settings.out is None and (command is not None or samples_of(scene) > MOST_IN_MEMORY):
         settings = replace(settings, out=Path(f"results/{scene.name}-{scene.label}-{scene.seed}"))

@@ -105,7 +105,9 @@ class FallingSet(FromStates):
         super().__post_init__()
         require_axial_inertia(self.disk)
         if self.theta_min == "none" and self.method != "auto":
-            raise InputError(f"method {self.method}: computes theta_min, of which none is asked; leave one out")
+            raise InputError(
+                f"method {self.method}: is for theta_min, and theta_min is none; leave one of the two out"
+            )
 
     @property
     def tube(self) -> float:

@@ -250,7 +250,7 @@ def _numbers(column: Any, what: str) -> Array:
         return np.array(column.cast("float64", safe=False).to_numpy())
     numbers = np.array([double_of(cell) for cell in column.to_pylist()], np.float64)  # None becomes NaN
     if numbers.size and np.isnan(numbers).all():
-        raise InputError(f"{what} holds no numbers, but {column.type}")
+        raise InputError(f"{what} holds no numbers, but {column.type}; give numbers, or rename the column")
     return numbers
 
 

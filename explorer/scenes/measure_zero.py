@@ -89,13 +89,14 @@ class MeasureZero(FromDensity):
             )
         if self.source.reaches_flat():
             raise InputError(
-                "box reaches flat (phi = +-pi/2) where the density does not vanish and the energy has no bound: "
-                "P is of order delta ln(1/delta) there, there is no C; give energy LOW:HIGH, or keep phi away"
+                "box: reaches flat (phi = +-pi/2), where the density does not vanish, and the energy has no "
+                "bound: P is "
+                "of order delta ln(1/delta), and there is no C; give energy LOW:HIGH, or keep phi away from flat"
             )
         if np.count_nonzero(self.probability.tested) < 2:
             low, high = self.ladder
             raise InputError(
-                f"ladder {low:g}:{high:g}: needs two rungs at or below {self.probability.law_limit:.1e}, where "
+                f"ladder {low:g}:{high:g}: needs two delta at or below {self.probability.law_limit:.1e}, where "
                 "the law holds for this box and disk; give a smaller LOW"
             )
 
@@ -215,6 +216,6 @@ class MeasureZero(FromDensity):
             return [*lines, "The box misses the falling set: C = 0, and there is no law to test."]
         if not summary["constant"]:
             fewest = min(row["effective_sample_size"] for row in summary["ladder"])
-            size = f"one rung has an effective sample size of {fewest:.0f}, below {FEWEST_HITS}"
+            size = f"at one delta the effective sample size is {fewest:.0f}, below {FEWEST_HITS}"
             return [*lines, f"C was not estimated: {size}. Raise tube, or narrow box to where the density is."]
         return lines

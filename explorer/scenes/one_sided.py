@@ -201,6 +201,6 @@ class OneSided(Scene):
         for name, limits in summary["disks"].items():
             exact, found = limits["gap"]["exact"], limits["gap"]["measured"]
             measured = "not measured" if found is None else f"{found:+.6f}"
-            told = f"{measured} rad (exact {exact:.6f}); {verdict[limits['coincide']]}"
-            lines.append(f"{name}: angle between the directions in which the two limit motions rise: {told}")
+            text = f"{measured} rad (exact {exact:.6f}); {verdict[limits['coincide']]}"
+            lines.append(f"{name}: angle between the directions in which the two limit motions rise: {text}")
         return lines

@@ -69,7 +69,9 @@ class Options:
             if name in inherited and not declared:
                 raise TypeError(f"{here} is an option; declare it anew by option(...)")
             if name not in inherited and declared and hasattr(super(cls, cls), name):
-                raise TypeError(f"{here} has the name of something else; call your option otherwise")
+                raise TypeError(
+                    f"{here} is the name of a method or an attribute already; give your option another name"
+                )
         dataclass(frozen=True, kw_only=True, repr=False)(cls)
 
     def __post_init__(self) -> None:
@@ -94,7 +96,7 @@ class Options:
                 said = name if name.isidentifier() else shown(name)
                 raise InputError(f"{said}: {what} takes no such option; {suggest(name, names)}")
             if name != known[name] and given.get(known[name]) is not None:
-                raise InputError(f"{known[name]} and {name} say the same; leave one out")
+                raise InputError(f"{known[name]} and {name} are the same option; leave one out")
         return cls(**{known[name]: value for name, value in given.items() if value is not None})
 
     @classmethod
@@ -236,8 +238,10 @@ def several(read: Callable[[str, Any], Any]) -> Callable[[str, Any], tuple[Any, 
 def read_density(name: str, value: Any) -> Function:
     """Read a density. A stored run says only which function it had. Raises InputError."""
     if not callable(value):
-        told = "was given in Python; go on with run(..., density=...) there" if isinstance(value, Mapping) else ""
-        raise InputError(f"{name} {shown(value)} {told or 'cannot be called; give a function of arrays'}")
+        remedy = (
+            "was given in Python; go on with run(..., density=...) there" if isinstance(value, Mapping) else ""
+        )
+        raise InputError(f"{name} {shown(value)} {remedy or 'cannot be called; give a function of arrays'}")
     density: Function = value
     return density
 

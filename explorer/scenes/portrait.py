@@ -61,7 +61,7 @@ class Portrait(Scene):
         require_axial_inertia(self.disk)
         if self.sigma4_bar is not None and self.eta_hat is not None:
             raise InputError(
-                f"sigma4_bar {self.sigma4_bar:g} and eta_hat {self.eta_hat:g} say the same; leave out one"
+                f"sigma4_bar {self.sigma4_bar:g} and eta_hat {self.eta_hat:g} set the same quantity; leave one out"
             )
         for potential in self.places().values():
             potential.levels(self.energy, LEVELS)

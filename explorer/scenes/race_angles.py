@@ -144,9 +144,9 @@ class RaceAngles(FromStates):
 
     def summarise(self, tally: RaceCounts) -> dict[str, Any]:
         if not tally.decades.total:
-            told = ", ".join(f"{count:,} {name}" for name, count in tally.status.items())
+            ended = ", ".join(f"{count:,} {name}" for name, count in tally.status.items())
             raise RunError(
-                f"{self.name}: none of {self.samples:,} samples has a race angle ({told}); {self.remedy}"
+                f"{self.name}: none of {self.samples:,} samples has a race angle ({ended}); {self.remedy}"
             )
         limit, groups = self.disk.race_limit, tally.decades.groups
         summary = {
@@ -210,7 +210,7 @@ class NearF(RaceAngles):
         usual = {"bounces": 1, "degrees": False}
         for name in (*_ELSEWHERE, *usual):
             if getattr(self, name) != usual.get(name):
-                raise InputError(f"{name}: is for start anywhere; leave one of them out")
+                raise InputError(f"{name}: is for start anywhere; leave it out, or give start anywhere")
         return BoxNearF.of(self.disk, given or {})
 
     def eta_hat_of(self, given: Range | None) -> Range:

@@ -110,16 +110,20 @@ class FromStates(FromDensity):
         super().__post_init__()
         made = None if self.states is None else self.states.states
         if self.degrees and made is not None:
-            raise InputError("degrees: says how a table of states is meant; leave it out")
+            raise InputError("degrees: is for tables of states, and these are States, in rad; leave it out")
         if made is not None and made.disk != self.disk:
-            raise InputError(f"states: made for the disk {made.disk.name!r}, used with {self.disk.name!r}")
+            raise InputError(
+                f"states: made for the disk {made.disk.name!r}, not for {self.disk.name!r}; leave disk out"
+            )
 
     def box_of(self, given: dict[str, Range] | None) -> Any:
         if self.states is None:
             return super().box_of(given)
         for name in ("box", "energy", "gaussian", "density"):
             if getattr(self, name) is not None:
-                raise InputError(f"{name}: the states come from states; leave it out")
+                raise InputError(
+                    f"{name}: cannot be combined with states, which says what the states are; leave one out"
+                )
         return None
 
     def _samples_of(self, given: int | None) -> int:

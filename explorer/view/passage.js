@@ -26,9 +26,9 @@ const ROUNDING = 1e-12; // of slopes and of normal forces
 const TOLD = {
   rests: "starts at an equilibrium",
   near: "comes too near an equilibrium to tell when it leaves",
-  away: "stays with the other face",
-  far: "never comes near flat here",
-  falls: "falls flat: from here nobody can tell",
+  away: "moves towards the other face",
+  far: "does not come near flat on this face",
+  falls: "falls flat; the equations do not say what comes next",
 };
 
 /** Nodes and weights of Gauss and Legendre on (0, 1). */

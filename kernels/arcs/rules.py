@@ -74,7 +74,7 @@ _OUTER = END_ROWS
     # MOVED: as `moved_by`
     _X, _Y, _L, _K_IN, _K_OUT, _SIZE_IN, _SIZE_OUT, _SLOW, _LENGTH, _MOVED,
     # sums by the rule, of their rounding, and by the rules of a half and a quarter of the nodes
-    _TIME, _CHI, _PSI, _NOISE, _TIME_NOISE,
+    _TIME, _CHI, _PSI, _ROUNDED, _TIME_ROUNDED,
     _OLD_TIME, _OLD_CHI, _OLD_PSI, _OLDER_TIME, _OLDER_CHI, _OLDER_PSI,
 ) = range(2 * END_ROWS * LANES, (2 * END_ROWS + 21) * LANES, LANES)  # fmt: skip
 _ROWS = (2 * END_ROWS + 21) * LANES
@@ -272,12 +272,12 @@ def add_node(A: Vector, i: int, node: Node, inside: bool, slow: bool, b: Body) -
     time, chi, psi = ds * P.q, ds * P.ratio, ds * turn
     weight, coarse, coarser = node.weight, node.coarse, node.coarser
     size = P.size + (A[_SIZE_IN + i] if inside else A[_SIZE_OUT + i])
-    noise = weight * ds * size * inv_K
+    rounding = weight * ds * size * inv_K
     A[_TIME + i] += weight * time
     A[_CHI + i] += weight * chi
     A[_PSI + i] += weight * psi
-    A[_NOISE + i] += noise * (abs(P.ratio) + abs(turn))
-    A[_TIME_NOISE + i] += noise * P.q
+    A[_ROUNDED + i] += rounding * (abs(P.ratio) + abs(turn))
+    A[_TIME_ROUNDED + i] += rounding * P.q
     A[_OLD_TIME + i] += coarse * time
     A[_OLD_CHI + i] += coarse * chi
     A[_OLD_PSI + i] += coarse * psi
@@ -327,8 +327,8 @@ def found_in(A: Vector, i: int) -> tuple[ArcRow[float], float]:
     of_time = difference(time, A[_OLD_TIME + i], A[_OLDER_TIME + i], time)
     left = _SAFETY * math.sqrt(max(of_time, max(of_chi, of_psi)))
     angle, off = left * turn * (of_chi + of_psi), left * of_time
-    time_error = time * (off + A[_MOVED + i]) + _ROUNDING * A[_TIME_NOISE + i]
-    angle_error = angle + (abs(chi) + abs(psi)) * A[_MOVED + i] + _ROUNDING * A[_NOISE + i]
+    time_error = time * (off + A[_MOVED + i]) + _ROUNDING * A[_TIME_ROUNDED + i]
+    angle_error = angle + (abs(chi) + abs(psi)) * A[_MOVED + i] + _ROUNDING * A[_ROUNDED + i]
     return ArcRow(time, chi, psi, time_error, angle_error), max(angle, off)
 
 

@@ -184,8 +184,8 @@ def passes_barrier(z: float, energy: float, X: float, o: Obstacle) -> int:
     behind, V = z - horner(o.sine, t), horner(o.V, t)
     there = share < 1.0 - _MERGING
     beyond = share > 1.0 + _MERGING or (there and behind > o.slack)
-    told = there and behind < -o.slack and abs(energy - V) > o.slack * V
-    return PASSES if beyond or (told and energy > V) else FALLS_BACK if told else UNDECIDED
+    decided = there and behind < -o.slack and abs(energy - V) > o.slack * V
+    return PASSES if beyond or (decided and energy > V) else FALLS_BACK if decided else UNDECIDED
 
 
 @device

@@ -178,8 +178,8 @@ def judge(sieve: Sieve, W: Vector, b: Body) -> None:
         W[_ENERGY * LANES + i] = E
         W[_FACE * LANES + i] = 1.0 if plus else -1.0
         W[_ETA * LANES + i] = eta
-        told = PASSES if z >= 0.0 else _BEYOND
-        W[_VERDICT * LANES + i] = told if above > _TIE else UNDECIDED if above > -_TIE else FALLS_BACK
+        verdict = PASSES if z >= 0.0 else _BEYOND
+        W[_VERDICT * LANES + i] = verdict if above > _TIE else UNDECIDED if above > -_TIE else FALLS_BACK
 
 
 @contracted_subroutine

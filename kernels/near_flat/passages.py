@@ -43,8 +43,8 @@ _ROUNDING = 100.0 * EPSILON  # of angles and time
 # Rows of the work array: entry (row, i) stands at row * LANES + i.
 _ROWS = 33
 (
-    # the motion; NOISE: what rounding does to angles and time
-    _X, _Y, _MOVING, _LEVEL, _NOISE, _H, _LOG_H, _STEP, _TURN_RATE,
+    # the motion; ROUNDED: what rounding does to angles and time
+    _X, _Y, _MOVING, _LEVEL, _ROUNDED, _H, _LOG_H, _STEP, _TURN_RATE,
     _CHI, _REST, _TIME, _ANGLE_ERROR, _TIME_ERROR,
     # fields of Closed
     _CAP, _LOG_CAP, _LOWEST, _TURN2, _RACE, _PULL, _SPIN, _SLOW, _REST0, _REST1,
@@ -112,7 +112,7 @@ def leave(W: Vector, i: int, at: Fixed, given: float, b: Body) -> None:
 
     It acts while the motion is within about a radian of the vertical.
     """
-    x, y, moving, rounding = W[_X + i], W[_Y + i], W[_MOVING + i], W[_NOISE + i]
+    x, y, moving, rounding = W[_X + i], W[_Y + i], W[_MOVING + i], W[_ROUNDED + i]
     inv_k = 1.0 / b.k
     ratio, rise = x * at.ratio_x + y * at.ratio_y, x * at.rise_x + y * at.rise_y
     gyration = 0.5 * b.I1 * ratio * ratio
@@ -121,7 +121,7 @@ def leave(W: Vector, i: int, at: Fixed, given: float, b: Body) -> None:
     terms = abs(level) + gyration + abs(spin) + 1.0
     duration = min(1.0, math.sqrt(0.5 * b.M / moving))
     of_start = (4.0 * EPSILON * terms + rounding) / moving * duration * (1.0 + abs(ratio) + abs(x * inv_k + rise))
-    W[_LEVEL + i], W[_NOISE + i] = level, _ROUNDING * (1.0 + terms / abs(level)) + of_start
+    W[_LEVEL + i], W[_ROUNDED + i] = level, _ROUNDING * (1.0 + terms / abs(level)) + of_start
     W[_TIME_ERROR + i] = 0.0 if moving > _SLOWEST * level else math.nan
 
 
@@ -160,7 +160,7 @@ def begin_near(W: Vector, b: Body, low: Low) -> None:
         good = slope > 0.0
         known, integrals = closed_forms(h, log_h, at, slope if good else 1.0, motion, b, low)
         W[_TURN_RATE + i] = at.n * at.inv_shape
-        W[_NOISE + i] += _ROUNDING * W[_LEVEL + i] / slope
+        W[_ROUNDED + i] += _ROUNDING * W[_LEVEL + i] / slope
         W[_CHI + i], W[_REST + i], W[_TIME + i] = integrals.chi, integrals.rest, integrals.time
         W[_CAP + i], W[_LOG_CAP + i], W[_LOWEST + i] = known.cap, known.log_cap, known.lowest
         W[_TURN2 + i] = known.turn2
@@ -210,8 +210,8 @@ def near_panel(W: Vector, rules: Rules, b: Body, low: Low) -> None:
             rate /= v
             add(W, i, Integrals(rate * node.chi, rate * node.rest, rate * node.time))
     for i in range(LANES):
-        W[_ANGLE_ERROR + i] += rules.missed * (W[_CHI_SIZE + i] + W[_REST_SIZE + i])
-        W[_TIME_ERROR + i] += rules.missed * W[_TIME_SIZE + i]
+        W[_ANGLE_ERROR + i] += rules.truncation * (W[_CHI_SIZE + i] + W[_REST_SIZE + i])
+        W[_TIME_ERROR + i] += rules.truncation * W[_TIME_SIZE + i]
 
 
 @contracted_device
@@ -243,7 +243,7 @@ def far_panel(W: Vector, nodes: Matrix, b: Body) -> None:
             W[_CHI_BEFORE + i] += last_but_one * node.chi
             W[_REST_BEFORE + i] += last_but_one * node.rest
             W[_TIME_BEFORE + i] += last_but_one * node.time
-    told(W, nodes, b)
+    estimate_truncation(W, nodes, b)
 
 
 @contracted_device
@@ -254,7 +254,7 @@ def share_of(last: float, before: float, size: float) -> float:
 
 
 @contracted_subroutine
-def told(W: Vector, nodes: Matrix, b: Body) -> None:
+def estimate_truncation(W: Vector, nodes: Matrix, b: Body) -> None:
     """Add what a rule at fixed tilts misses.
 
     Its last coefficients tell it: the error of a Gauss rule goes like the square of their share. Two in turn may
@@ -273,18 +273,18 @@ def told(W: Vector, nodes: Matrix, b: Body) -> None:
         rest = share_of(W[_REST_LAST + i], W[_REST_BEFORE + i], W[_REST_SIZE + i])
         time = share_of(W[_TIME_LAST + i], W[_TIME_BEFORE + i], W[_TIME_SIZE + i])
         share = max(max(chi, rest), time)
-        missed = _OF_COEFFICIENTS * share * share + _OF_START * of_start
-        W[_ANGLE_ERROR + i] += missed * (W[_CHI_SIZE + i] + W[_REST_SIZE + i])
-        W[_TIME_ERROR + i] += missed * W[_TIME_SIZE + i]
+        truncation = _OF_COEFFICIENTS * share * share + _OF_START * of_start
+        W[_ANGLE_ERROR + i] += truncation * (W[_CHI_SIZE + i] + W[_REST_SIZE + i])
+        W[_TIME_ERROR + i] += truncation * W[_TIME_SIZE + i]
 
 
 @contracted_subroutine
 def finish(W: Vector, times: float) -> None:
     """CHI, REST and TIME so many times, and their errors with rounding; that of the time is relative."""
     for i in range(LANES):
-        chi, rest, time, noise = W[_CHI + i], W[_REST + i], W[_TIME + i], W[_NOISE + i]
-        W[_ANGLE_ERROR + i] = times * (W[_ANGLE_ERROR + i] + noise * (abs(chi) + abs(rest)))
-        W[_TIME_ERROR + i] = W[_TIME_ERROR + i] / time + noise
+        chi, rest, time, rounding = W[_CHI + i], W[_REST + i], W[_TIME + i], W[_ROUNDED + i]
+        W[_ANGLE_ERROR + i] = times * (W[_ANGLE_ERROR + i] + rounding * (abs(chi) + abs(rest)))
+        W[_TIME_ERROR + i] = W[_TIME_ERROR + i] / time + rounding
         W[_CHI + i], W[_REST + i], W[_TIME + i] = times * chi, times * rest, times * time
 
 
@@ -313,7 +313,7 @@ def passage_batch(crossings: Crossings, tables: Tables, disk: Disk, out: Matrix)
         load(W, _MOVING, crossings.speed, first, 1.0)
         for i in range(LANES):
             W[_MOVING + i] *= 0.5 * b.M * W[_MOVING + i]
-            W[_NOISE + i] = 0.0
+            W[_ROUNDED + i] = 0.0
             leave(W, i, at, 0.0, b)
         W[_CHI_SIZE : _TIME_SIZE + LANES] = 0.0
         turn(W, b, low)
@@ -344,7 +344,7 @@ def fall_batch(departures: Departures, tables: Tables, disk: Disk, out: Matrix) 
         load(W, _X, departures.sigma3_bar, first, b.r0)
         load(W, _LEVEL, departures.level, first, 1.0)
         load(W, _MOVING, departures.moving, first, 1.0)
-        load(W, _NOISE, departures.rounding, first, 1.0)
+        load(W, _ROUNDED, departures.rounding, first, 1.0)
         for i in range(LANES):
             leave(W, i, at, W[_LEVEL + i], b)
         far_panel(W, tables.rules.fall, b)

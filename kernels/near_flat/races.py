@@ -124,9 +124,9 @@ def measure(W: Vector, terms: Terms) -> None:
         error = error if ok & (error > part) else part
         turned = abs(W[_CHI * LANES + i]) + abs(W[_PSI * LANES + i]) if ok else 0.0
         allowed = max(terms.allowed, terms.floor * (1.0 + W[_FALL_TIME * LANES + i]), terms.rounding * turned)
-        missed = (ok | fallen) & (not error <= allowed)
+        inexact = (ok | fallen) & (not error <= allowed)
         W[_ERROR * LANES + i] = error
-        W[_STATUS * LANES + i] = _BAD if lacks else _LIMIT if missed else code
+        W[_STATUS * LANES + i] = _BAD if lacks else _LIMIT if inexact else code
 
 
 @subroutine

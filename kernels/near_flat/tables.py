@@ -44,7 +44,7 @@ class Orders(NamedTuple):
     outer: int
     fall: int
     inner: int
-    missed: float
+    truncation: float
 
 
 # Of a passage to 1e-6 and of the best there is: nearly all ordinary passages then meet 1e-6, and 1e-11.
@@ -93,12 +93,12 @@ class Low(NamedTuple):
 
 
 class Rules(NamedTuple):
-    """Rules of one accuracy: outer (10, n), fall (10, n), inner (2, n); missed: see Orders."""
+    """Rules of one accuracy: outer (10, n), fall (10, n), inner (2, n); truncation: see Orders."""
 
     outer: Matrix
     fall: Matrix
     inner: Matrix
-    missed: float
+    truncation: float
 
 
 class Tables(NamedTuple):
@@ -118,7 +118,7 @@ def make_tables(disk: Disk, orders: Orders, gauss: Sequence[Matrix]) -> Tables:
         outer=_from_vertical(disk, 0.5 * math.pi - handover, outer),
         fall=_from_vertical(disk, 0.5 * math.pi, fall),
         inner=np.stack([0.5 * (1.0 + inner[0]), 0.5 * inner[1]]),
-        missed=orders.missed,
+        truncation=orders.truncation,
     )
     return Tables(at_tilts(disk, np.array([0.5 * math.pi]), np.zeros(1)), _low(series, nearest), rules)
 

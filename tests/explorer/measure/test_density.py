@@ -114,7 +114,7 @@ def test_a_density_says_what_it_is_and_tells_functions_apart():
         ({"gaussian": "phi=50:1"}, "at most 37 deviations outside"),
         ({"gaussian": "phi=15:0.25"}, "at most 37 deviations outside"),
         ({"density": 3.0}, "cannot be called"),
-        ({"box": "phidot=-1e9:1e9"}, "narrow it"),
+        ({"box": "phidot=-1e9:1e9"}, "give a narrower range"),
         ({"disk": ex.Disk(I1=1e-6, I3=2e-6)}, "too steep"),
     ],
 )

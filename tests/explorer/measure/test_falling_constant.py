@@ -180,8 +180,8 @@ def test_bad_input_is_named(options, message):
 @pytest.mark.parametrize(
     ("density", "words"),
     [
-        (lambda phi, *_: np.full_like(phi, 1e308), "beyond doubles; divide it by its largest value"),
-        (lambda phi, *_: np.full_like(phi, 1e-320), "loses its digits; multiply it by 1e300"),
+        (lambda phi, *_: np.full_like(phi, 1e308), "overflows doubles; divide the density by its largest value"),
+        (lambda phi, *_: np.full_like(phi, 1e-320), "too small for doubles; multiply the density by 1e300"),
         (lambda _, phidot, *__: np.exp(-(((phidot - 0.377) / 1e-3) ** 2)), "shrink the box to where it is large"),
         (lambda _, phidot, *__: np.exp(-(((phidot - 0.377) / 1e-2) ** 2)), "shrink the box to where it is large"),
         (lambda *columns: np.exp(-(((columns[2] - 0.377) / 1e-2) ** 2)), "shrink the box to where it is large"),

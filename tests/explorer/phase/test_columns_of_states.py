@@ -50,10 +50,10 @@ def test_an_energy_is_never_in_degrees():
 @pytest.mark.parametrize(
     ("names", "message"),
     [
-        (["phi", "phidot", "sigma3"], "say no state; add sigma4"),
+        (["phi", "phidot", "sigma3"], "do not determine a state; add sigma4"),
         (["Tilt", "precession", "spin"], "add tilt"),
-        (["a", "b"], "states: a, b: they say no state"),
-        ([], "none: they say no state"),
+        (["a", "b"], "states: a, b: they do not determine a state"),
+        ([], "none: they do not determine a state"),
     ],
 )
 def test_columns_that_say_no_state_are_refused_with_what_is_missing(names, message):

@@ -129,7 +129,7 @@ def test_a_moment_that_no_body_has_is_refused_with_what_a_flat_one_has():
     ("text", "message"),
     [
         ("uniform:I1=0.3", "quantity 'I1' is not known"),
-        ("uniform:heavy", "'heavy' says no quantity"),
+        ("uniform:heavy", "'heavy' is not NAME=VALUE"),
         ("hoop:m=heavy", "disk: m"),
         ("annulus:", "annulus"),
     ],

@@ -74,7 +74,7 @@ def test_states_are_made_by_their_charts():
         (good.natural.T, good.status),
         (ordered, good.status),
     ):
-        with pytest.raises(ex.InputError, match="let phi_to_states and its like make them"):
+        with pytest.raises(ex.InputError, match="make them by phi_to_states or another of its kind"):
             ex.States(disk, natural, status)
     with pytest.raises(ex.InputError, match="is not a Disk"):
         ex.States("uniform", good.natural, good.status)

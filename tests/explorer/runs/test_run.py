@@ -187,7 +187,7 @@ def test_runs_that_do_not_go_together_are_not_merged(several, finished):
     ):
         with pytest.raises(ex.InputError, match=message):
             ex.merge(first, other)
-    with pytest.raises(ex.InputError, match="takes two runs or more"):
+    with pytest.raises(ex.InputError, match="merge takes two or more"):
         ex.merge(first)
     folder = shutil.copytree(finished.folder, finished.folder.parent / "other")
     next((folder / "chunks").iterdir()).unlink()

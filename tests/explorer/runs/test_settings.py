@@ -33,12 +33,12 @@ def test_large_runs_and_those_of_the_command_line_have_a_folder_of_their_own(cap
         ({"backend": "gpu"}, "'gpu' is not known; known: threads, processes, dask"),
         ({"scheduler": "tcp://1.2.3.4:5"}, "is for backend dask; give both"),
         ({"format": "png,jpg"}, "'jpg' is not known"),
-        ({"rng": 1, "seed": 2}, "rng and seed say the same"),
+        ({"rng": 1, "seed": 2}, "rng and seed set the same"),
         ({"rng": "dice"}, "rng = dice"),
         ({"out": ""}, "out"),
         ({"progress": 1}, "progress = 1 must be true or false"),
         ({"bais": 0.5}, "did you mean 'bias'"),
-        ({"disk": "hoop", "disks": ["uniform"]}, "disk and disks say the same; leave one out"),
+        ({"disk": "hoop", "disks": ["uniform"]}, "disk and disks are the same option; leave one out"),
     ],
 )
 def test_what_cannot_be_is_refused_before_anything_is_written(given, message, tmp_path):

@@ -136,7 +136,7 @@ def spoilt(path, content):
         (b"", "Empty CSV file"),
         (b"PAR1 and no more", "cannot be read"),
         (b"\x89PNG\r\n\x1a\n\0\0", "cannot be read .*; give Parquet or CSV"),
-        (b"a,b\n1,2\n", "they say no state; give one of these sets: phi"),
+        (b"a,b\n1,2\n", "they do not determine a state; give one of these sets: phi"),
         (b"phi,Phidot,sigma3,sigma4\n1,2,3,4\n", "add phidot"),
         (b"phi,phi,phidot,sigma3,sigma4\n1,1,1,1,1\n", "several columns 'phi'"),
         (b"phi,phidot,sigma3,sigma4\n", "holds no states"),
@@ -153,7 +153,7 @@ def test_a_damaged_file_is_told_in_one_sentence(content, message, tmp_path):
     ("given", "message"),
     [
         (5, "is no table"),
-        ({}, "none: they say no state"),
+        ({}, "none: they do not determine a state"),
         ({"phi": [0.1, 0.2], "phidot": [1.0]}, "expected length 2 but got length 1"),
         (dict.fromkeys(NAMES, 1.0), "is no table"),
         ({"phi": [1.0, "x"]}, "is no table"),

@@ -159,7 +159,7 @@ def test_too_few_hits_are_counted_and_not_fitted():
     assert found["slope"] is None is found["constant"]
     assert found["ladder"][0]["effective_sample_size"] < 50
     lines = scene.headline(found)
-    assert lines[-1].startswith("C was not estimated: one rung has an effective sample size of ")
+    assert lines[-1].startswith("C was not estimated: at one delta the effective sample size is ")
     assert lines[-1].endswith("Raise tube, or narrow box to where the density is.")
 
 
@@ -199,8 +199,8 @@ def test_options_come_back_from_json():
     [
         ({"ladder": "1e-3:2"}, "ladder"),
         ({"ladder": "1e-1:1e-15"}, "LOW:HIGH"),
-        ({"ladder": "1e-4:1e-1"}, "two rungs at or below"),
-        ({"ladder": "1e-6:1e-1", "box": "sigma3=-1e-3:1e-3"}, "two rungs at or below 8"),
+        ({"ladder": "1e-4:1e-1"}, "two delta at or below"),
+        ({"ladder": "1e-6:1e-1", "box": "sigma3=-1e-3:1e-3"}, "two delta at or below 8"),
         ({"gaussian": "phidot=1e9:1"}, "at most 37 deviations outside"),
         ({"energy": ":0.5"}, "energy: only 0 of"),
         ({"box": "sigma3=1e300:2e300"}, "rates beyond"),

@@ -189,7 +189,12 @@ class Coins(SampledScene):
             "",
             "seed: is a whole number in every scene",
         ),
-        ("tally, columns", "jobs: float = option(NUMBER, 'x')\n    tally, columns", "", "jobs is a word of runs"),
+        (
+            "tally, columns",
+            "jobs: float = option(NUMBER, 'x')\n    tally, columns",
+            "",
+            "jobs is the name of a setting of runs",
+        ),
         ("heads: int", "heads = 0", "", "HeadCounts.heads has no kind; write heads: int"),
         ("SampledScene):", "SampledScene)", "", "SyntaxError"),
         ("heads: int", "heads: dict", ".count", "TypeError"),

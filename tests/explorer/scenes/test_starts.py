@@ -106,7 +106,7 @@ def test_an_energy_cut_changes_which_states_are_drawn_and_nothing_else():
 def test_states_bring_their_disk():
     states = ex.phi_to_states(ex.Disk.hoop(), 0.2, 0.3, 0.4, [0.5, 0.6])
     assert RaceAngles.of({"states": states}).disk == ex.Disk.hoop()
-    with pytest.raises(ex.InputError, match="made for the disk 'hoop', used with 'uniform'"):
+    with pytest.raises(ex.InputError, match="made for the disk 'hoop', not for 'uniform'"):
         RaceAngles.of({"states": states, "disk": "uniform"})
 
 
@@ -122,10 +122,13 @@ def test_a_record_says_that_its_states_were_given_in_python():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"states": GIVEN, "box": "phi=0"}, "the states come from"),
-        ({"states": GIVEN, "gaussian": "phi=0:1"}, "the states come from"),
+        ({"states": GIVEN, "box": "phi=0"}, "cannot be combined with states"),
+        ({"states": GIVEN, "gaussian": "phi=0:1"}, "cannot be combined with states"),
         ({"states": GIVEN, "samples": 8}, "holds 7"),
-        ({"states": ex.phi_to_states(ex.Disk.uniform(), 0.1, 0.1, 0.1, 0.1), "degrees": True}, "says how a table"),
+        (
+            {"states": ex.phi_to_states(ex.Disk.uniform(), 0.1, 0.1, 0.1, 0.1), "degrees": True},
+            "is for tables",
+        ),
         ({"gaussian": "phi=0:1", "box": "phi=0"}, "box has no range for"),
         (
             {"gaussian": "tilt=180:45", "degrees": True},
