@@ -83,9 +83,9 @@ def test_every_setting_has_the_numbers_of_python_or_a_sentence(page):
     ("values", "says"),
     [
         ({"sigma3_bar": 0.0, "phidot": 0.0}, "starts at an equilibrium"),
-        ({"sigma3_bar": 1.0, "phidot": 0.0, "eta_hat": 1.0}, "stays with the other face"),
+        ({"sigma3_bar": 1.0, "phidot": 0.0, "eta_hat": 1.0}, "moves towards the other face"),
         ({"sigma3_bar": 1e-7, "phidot": 0.0}, "too near an equilibrium"),
-        ({"sigma3_bar": 1.0, "phidot": 1.0, "eta_hat": 0.0}, "from here nobody can tell"),
+        ({"sigma3_bar": 1.0, "phidot": 1.0, "eta_hat": 0.0}, "the equations do not say what comes next"),
     ],
     ids=str,
 )

@@ -180,7 +180,7 @@ class Coins(SampledScene):
             "tally, columns",
             "length: float = option(NUMBER, 'x')\n    tally, columns",
             "",
-            "Coins.length has the name",
+            "Coins.length is the name of a method",
         ),
         ("tally, columns", "samples = 50\n    tally, columns", "", "Coins.samples is an option; declare it anew"),
         (
