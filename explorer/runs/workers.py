@@ -64,15 +64,24 @@ def compute_all(scene: Scene, missing: list[int], settings: Settings, stop: thre
     folder = settings.out and settings.out.resolve()  # workers see the same file system
     call: Callable[[int], Done | None]
     task = call = partial(compute, scene, folders.digest_of_identity(folders.identity(scene)), folder)
-    how: dict[str, Any] = {"n_jobs": min(settings.jobs, len(missing)), "backend": "threading"}
+    # By one thread joblib means this one, in which each kernel needs a thread of its own so that Ctrl-C is heard.
+    # With two, chunks go to other threads than this one, no more at once than there are jobs.
+    jobs = min(settings.jobs, len(missing))
+    how: dict[str, Any] = {"n_jobs": max(jobs, 2), "backend": "threading", "pre_dispatch": jobs}
     if settings.backend == "processes":
-        how |= {"backend": "loky", "initializer": begin_worker, "initargs": (os.getpid(), sys.path)}
+        how |= {
+            "n_jobs": jobs,
+            "backend": "loky",
+            "initializer": begin_worker,
+            "initargs": (os.getpid(), sys.path),
+        }
     with contextlib.ExitStack() as until_done:
         if settings.backend == "dask":
             client = until_done.enter_context(_cluster(settings))
             call = partial(_on_cluster, client, task, settings, stop)
             how["n_jobs"] = 2 * (sum(client.nthreads().values()) or settings.jobs)  # two for each: none waits
-        pool = Parallel(**how, return_as="generator_unordered", pre_dispatch="n_jobs", batch_size=1)
+            how["pre_dispatch"] = "n_jobs"
+        pool = Parallel(**how, return_as="generator_unordered", batch_size=1)
         with withheld() if settings.backend == "processes" else contextlib.nullcontext():
             made = pool(delayed(call)(index) for index in missing if not stop.is_set())
         until_done.enter_context(contextlib.closing(made))
