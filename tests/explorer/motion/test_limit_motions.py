@@ -154,9 +154,9 @@ def test_the_fall_is_integrated_well_however_slowly_it_starts(speed):
     ("state", "sign", "message"),
     [
         ((0.0, 1.0, 1.0, 0.7286), 2, "side"),
-        ((0.0, 0.0, 3.0, 0.0), 1, "could not fall"),
-        ((np.nan, 0.0, 3.0, 0.0), 1, "could not fall"),
-        ((0.0, 1e-9, 0.0, 0.0), 1, "could not fall"),
+        ((0.0, 0.0, 3.0, 0.0), 1, "would not fall"),
+        ((np.nan, 0.0, 3.0, 0.0), 1, "would not fall"),
+        ((0.0, 1e-9, 0.0, 0.0), 1, "would not fall"),
     ],
 )
 def test_states_without_a_limit_motion_are_refused_in_words(state, sign, message):

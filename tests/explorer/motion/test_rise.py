@@ -73,7 +73,7 @@ def test_so_it_has_beside_a_separatrix(paper_body, excess):
 
 def test_on_the_separatrix_itself_the_period_is_infinite(paper_body):
     bar, speed = over_the_barrier(paper_body, 0.9, 0.0)
-    with pytest.raises(ex.InputError, match="the period is infinite"):
+    with pytest.raises(ex.InputError, match="its period is infinite"):
         ex.limit_motion(ex.constants_to_states(paper_body, bar, 0.0, speed))
 
 

@@ -46,7 +46,7 @@ def test_a_chunk_holds_the_points_of_nine_levels_within_the_energies_that_are_as
         ({"energy": (1.0, 1.0)}, "empty"),
         ({"energy": (-2.0, -1.0)}, "no motion has an energy below"),
         ({"energy": "far"}, "energy"),
-        ({"sigma4_bar": 0.1, "eta_hat": 0.1}, "leave out one"),
+        ({"sigma4_bar": 0.1, "eta_hat": 0.1}, "leave one out"),
         ({"sigma3_bar": "far"}, "sigma3_bar"),
         ({"sigma3_bar": "nan"}, "sigma3_bar"),
         ({"eta_hat": "1:2"}, "eta_hat"),
