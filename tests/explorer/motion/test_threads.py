@@ -1,6 +1,7 @@
 """Work in parts: all of it, in its order; and Ctrl-C is answered while a kernel is at work, which then ends."""
 
 import _thread
+import signal
 import threading
 import time
 
@@ -12,6 +13,14 @@ import explorer as ex
 from explorer.motion import threads
 
 DISK = BODIES["uniform"]
+
+
+@pytest.fixture(autouse=True)
+def heard():
+    """Ctrl-C, also where these tests were started by a program that had it ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 def interrupted_during(call):
