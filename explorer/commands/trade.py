@@ -21,6 +21,7 @@ from explorer.scenes.race_angles import NearF, start_of
 from explorer.scenes.scene import joined
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT
 
+_OUT = Path("results/trade")
 _REFERENCE = {
     "passages": "another quadrature at 1e-11, which uses none of the precomputed tables of the methods",
     "motions": "rk8 with steps far finer than any accuracy needs",
@@ -158,7 +159,7 @@ def write(found: Trade, out: Path, command: str) -> None:
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the options of `nearflat trade`."""
     Trading.add_to(command)
-    command.add_argument("--out", metavar="DIR", type=Path, default=Path("results/trade"), help="folder")
+    command.add_argument("--out", metavar="DIR", type=Path, default=_OUT, help=f"folder (default {_OUT})")
 
 
 def call(options: argparse.Namespace) -> Answer:

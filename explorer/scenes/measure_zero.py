@@ -90,14 +90,13 @@ class MeasureZero(FromDensity):
         if self.source.reaches_flat():
             raise InputError(
                 "box: reaches flat (phi = +-pi/2), where the density does not vanish, and the energy has no "
-                "bound: P is "
-                "of order delta ln(1/delta), and there is no C; give energy LOW:HIGH, or keep phi away from flat"
+                "bound, so P is of order delta ln(1/delta) and no C exists; give energy LOW:HIGH, or keep phi away"
             )
         if np.count_nonzero(self.probability.tested) < 2:
             low, high = self.ladder
             raise InputError(
-                f"ladder {low:g}:{high:g}: needs two delta at or below {self.probability.law_limit:.1e}, where "
-                "the law holds for this box and disk; give a smaller LOW"
+                f"ladder {low:g}:{high:g}: needs two values of delta at or below "
+                f"{self.probability.law_limit:.1e}, where the law holds for this box and disk; give a smaller LOW"
             )
 
     @cached_property

@@ -199,8 +199,8 @@ def test_options_come_back_from_json():
     [
         ({"ladder": "1e-3:2"}, "ladder"),
         ({"ladder": "1e-1:1e-15"}, "LOW:HIGH"),
-        ({"ladder": "1e-4:1e-1"}, "two delta at or below"),
-        ({"ladder": "1e-6:1e-1", "box": "sigma3=-1e-3:1e-3"}, "two delta at or below 8"),
+        ({"ladder": "1e-4:1e-1"}, "two values of delta at or below"),
+        ({"ladder": "1e-6:1e-1", "box": "sigma3=-1e-3:1e-3"}, "two values of delta at or below 8"),
         ({"gaussian": "phidot=1e9:1"}, "at most 37 deviations outside"),
         ({"energy": ":0.5"}, "energy: only 0 of"),
         ({"box": "sigma3=1e300:2e300"}, "rates beyond"),
