@@ -83,7 +83,7 @@ def trade(**options: Any) -> Trade:
 
     Passages are compared with a quadrature that uses no precomputed tables. Motions in time are compared with far
     finer steps. Costs are those of the calls `passages` and `simulate`, on one core, without compile time. For
-    states of your own use `compare`.
+    your own states, use `compare`.
 
     Parameters
     ----------

@@ -50,7 +50,7 @@ _STORED = "results/race-angles-uniform-0"
 COMMANDS = {
     "demo": Command(
         "demo",
-        "Run a small version of the main job: map the falling set, compare its two sides, count races.",
+        "Map the falling set, compare its two sides and count races, all on a small scale.",
         "--jobs 2",
     ),
     "run": Command(
@@ -76,9 +76,14 @@ COMMANDS = {
     ),
     "trade": Command("trade", "Measure error and cost of every method on passages near the falling set.", _TRADE),
     "paper": Command(
-        "paper", "Check the paper's statements, draw its figures; status 1 if one fails.", "--only LEMMA-5"
+        "paper",
+        "Check the statements of Cushman & Duistermaat (2006), draw its figures; exit status 1 if a statement "
+        "fails.",
+        "--only LEMMA-5",
     ),
-    "portrait": Command("portrait", "Draw F, phase portraits, slices, races, paths and a film.", "--disk hoop"),
+    "portrait": Command(
+        "portrait", "Draw the falling set F, phase portraits, slices, races, paths and a film.", "--disk hoop"
+    ),
     "view": Command("view", "Write a web page: an article on what the disk does, and controls to try it.", _VIEW),
     "gallery": Command(
         "gallery", "Write README.md of a folder of results: every picture with its caption and command.", "results"
@@ -87,7 +92,7 @@ COMMANDS = {
         "completion", "Print completions for bash and zsh; to use them: source <(nearflat completion).", ""
     ),
     "cite": Command("cite", "Print BibTeX of this software and of the paper.", ""),
-    "warmup": Command("warmup", "Compile all kernels into the cache.", ""),
+    "warmup": Command("warmup", "Compile all numerical code now, so that later commands start at once.", ""),
 }
 
 

@@ -27,8 +27,8 @@ class RunPlan:
     accuracy : float
         Largest error: absolute of angles (rad), relative of times and tilts.
     model, method, reason : str
-        What is computed to get the observables (as in `Passages`, or 'algebra': constants of motion alone), by
-        which method, and why.
+        What is computed (as in `Passages.model`, or 'algebra' if constants of motion are enough), by which method,
+        and why.
     cost : str
         Work per sample in words.
     estimate : Estimate

@@ -39,8 +39,8 @@ def add_scene(command: argparse.ArgumentParser, words: Sequence[str], text: str 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the scene with its options, and those of its run; also of `nearflat plan`."""
     kind = add_scene(command, words)
-    command.description = f"{command.description} {first_line(kind)}"
     if kind is not Scene:
+        command.description = f"{command.description} {first_line(kind)}"
         own = [word for word in words if ".py:" in word]  # a scene of the user's has no other name here
         command.epilog = f"example: {command.prog} {[*own, kind.name][0]} --disk hoop --out results/mine"
     kind.add_to(command)

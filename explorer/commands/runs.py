@@ -19,7 +19,7 @@ _RESUME = ("jobs", "backend", "scheduler", "format", "figures")
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the options of the five commands."""
     if command.prog.endswith((" summary", " merge")):
-        text = "folder of a run; several are added up if they ask the same question with different seeds"
+        text = "folder of a run; give several of the same question with different seeds, and they are added up"
         command.add_argument("folder", metavar="DIR", type=Path, nargs="+", help=text)
     else:
         command.add_argument("folder", metavar="DIR", type=Path, help="folder of a run")

@@ -27,9 +27,10 @@ _REFERENCE = {
     "motions": "rk8 with steps far finer than any accuracy needs",
 }
 _ABOUT = """Times are those of `passages` and `simulate`: processor time of one core, without compile time, the
-least of several interleaved rounds. Compare them only within this page. *Unresolved* is the share of samples
-whose side of the falling set F is unknown, *refused* the share without an answer for another reason, and
-*wrong_way* counts samples that came out on the other side of F. No other integrator is as fast and as accurate
+shortest of several rounds in which the methods take turns. Compare them only within this page. *Unresolved* is the
+share of samples whose side of the falling set F is unknown, *refused* the share without an answer for another
+reason, and *wrong_way* counts samples that came out on the other side of F. No other integrator is as fast and as
+accurate
 as those *on_front*."""
 # The columns of a table, with their formats
 _COLUMNS = {
@@ -55,7 +56,7 @@ class Trading(Options):
     )
     motions: int = option(
         whole_from(0),
-        "for the first N samples, also measure the computation of the motion as a function of time; 0 for none",
+        "for how many of the samples, from the first, motions in time are measured too; 0 for none",
         default=1024,
     )
     t_end: float | None = option(

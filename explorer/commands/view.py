@@ -14,7 +14,7 @@ from explorer.view.page import view
 
 
 class Page(Options):
-    """What the page opens with, and where it goes: the article, or its laboratory where a motion is named."""
+    """What the page shows, and where it is written. It opens with its laboratory if you name a motion."""
 
     disk: Disk | None = option(DISK, "as for run", words="uniform")
     sigma3_bar: float | None = option(

@@ -128,7 +128,7 @@ def falling_constant(
     Notes
     -----
     C does not say how small delta must be. If states begin nearly flat, P at 1e-3 may exceed C delta a
-    thousandfold; `probability` tries it out, and says in `law.holds_below` from where on the law holds.
+    thousandfold. `probability` tests this: its `law.holds_below` is the delta below which the law holds.
 
     A function that is large only in less than a twentieth of the box may be missed: shrink the box to it. For a
     function that jumps or oscillates, the integral stops after some 10^7 points, and `error` includes what is

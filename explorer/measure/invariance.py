@@ -39,7 +39,7 @@ class Stretch(Result):
     Attributes
     ----------
     time : array
-        For which each motion was followed, in the units of the disk.
+        Time for which each motion was followed, in the units of the disk.
     matrix : (..., 4, 4) array
         Derivative of (phi, phidot, sigma3, sigma4) at that time with respect to their values at the start, natural
         units. NaN for
@@ -81,7 +81,7 @@ def flow_stretch(states: States, steps: int = 200, step: float = 0.05) -> Stretc
         Number of integration steps, 1 or more.
     step : float
         Size of an integration step, up to 1. Steps are equal in a variable s with dt = cos(phi) ds, so that they
-        are short in time near flat. The unit of s is 1/speed, where speed is an upper bound of the rates of the
+        are short in time near flat. s is measured in units of 1/B, where B is an upper bound of the rates of the
         motion.
 
     Returns

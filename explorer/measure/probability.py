@@ -61,17 +61,17 @@ class Probability:
     estimate : float
         The probability.
     interval : (float, float)
-        It lies between these with a confidence of 95 %. If the event happens in none of the plain draws, the lower
-        end is 0, and the upper end is a one-sided bound (Clopper-Pearson).
+        The probability lies between these two numbers with a confidence of 95 %. If the event happens in none of
+        the plain draws, the lower end is 0, and the upper end is a one-sided bound (Clopper-Pearson).
     effective_samples : float
         Number of hits of equal weight that would give the same precision; for plain draws, the number of hits.
     law : Law or None
-        `constant` C of P = C delta, its standard `error`, and the delta below which it holds, `holds_below`; None
-        for other events.
+        For the event theta_min < delta: the `constant` C of the law P = C delta, its standard `error`, and
+        `holds_below`, the delta below which the law holds. None for other events.
     method : str
         "plain" or "importance".
     note : str
-        What else is to be known, in words; mostly empty.
+        Anything else worth knowing, in words; mostly empty.
     asked : str
         The event and the distribution.
 
@@ -132,8 +132,8 @@ def probability(
         bool for each state, or for each state and bounce; then a state counts if this is True for at least one of
         its bounces. For motions that fall, theta_min is 0, and the other columns are NaN or 0.
     count : int
-        Within how many bounces. The tilt is periodic: bounces of one state have at most two theta_min, one on each
-        face, so two bounces give all values of theta_min.
+        The event counts if it happens within so many bounces. The tilt is periodic: bounces of one state have at
+        most two theta_min, one on each face, so two bounces give all values of theta_min.
     degrees : bool
         Whether angles and rates are in degrees instead of rad; theta_min never is.
     accuracy : float
@@ -159,15 +159,15 @@ def probability(
     InputError
         If the names do not determine a state, or if an argument cannot be used.
     RunError
-        If hardly any draw describes a state, as one with a negative tilt does not.
+        If hardly any draw describes a state: one with a negative tilt, for example, does not.
 
     Notes
     -----
     Draws that are not states, such as a negative tilt, are left out of the distribution. If plain draws see at
     least 100 hits, they are the answer, with the exact interval of Clopper and Pearson. Otherwise the probability
     of theta_min < delta is estimated from weighted draws near the falling set, on both faces; a state that is
-    beside both lines counts once. C delta is the limit for small delta; with count = 2 its C is that of
-    `falling_constant`. It does not hold if many of the initial states are already as near flat as delta.
+    beside both lines counts once. For small delta the probability tends to C delta; with count = 2 this C is that
+    of `falling_constant`. The law does not hold if many of the initial states are already as near flat as delta.
 
     Examples
     --------

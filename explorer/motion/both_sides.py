@@ -107,7 +107,7 @@ class BothSides:
 
 
 def both_sides(state: States, eta_hat: float | None = None, t_end: float | None = None) -> BothSides:
-    """The motions on both sides of a point of F, and the limit of each side, through two falls or up to a time.
+    """The motions on both sides of a point of F, and the limit of each side, through two falls or until t_end.
 
     Parameters
     ----------

@@ -57,8 +57,8 @@ class Bounces(Result):
     duration : array
         Duration of the stretch.
     error_estimate : array
-        The largest of the errors of the angles (rad), of the duration and of theta_min (relative), and of the time
-        to the flattest moment (relative; in periods of the motion if that time is shorter than one period).
+        The largest of the errors of the angles (rad), of the duration, of theta_min and of the time to the
+        flattest moment (these three relative; that of the time is relative to the period if the time is shorter).
     status : array of int8
         `Status` of each bounce.
     states : States
@@ -112,7 +112,7 @@ def bounces(
         Threads. For many states see `scan`, which works in batches and shows its progress.
     method : str
         'auto' or 'quadrature'; or 'rk4', 'rk8', 'dopri5', 'dop853', which follow each motion through one period in
-        steps, to an accuracy of 1e-11 at best; with these too the fall angle, but nothing else, is computed by
+        steps, to an accuracy of 1e-11 at best. Even then the fall angle, and only that, is computed by
         quadrature.
 
     Returns
@@ -132,12 +132,13 @@ def bounces(
     The tilt is periodic: the bounces of one state have at most two different theta_min, one on each face, so two
     bounces give all that there is to know about the tilt.
 
-    race_angle = delta_chi - fall_angle, where fall_angle is the increase of chi, without its jump at the impact,
-    along the limit motion with the same sigma3_bar and energy, over one stretch of that motion: from the vertical
-    to flat and back if it crosses the vertical, else from a turning point to flat and back to a turning point. So
-    race_angle -> side kappa pi as eta -> 0, eq. (7.9). If the energy does not exceed V_0, the value of V at flat
-    where eta = 0, the disk cannot come flat: there is no limit motion, and race_angle and fall_angle are NaN. The
-    sums of duration, delta_chi and delta_psi over the bounces of a period are the integrals (3.12), (3.13).
+    race_angle = delta_chi - fall_angle. The fall angle belongs to the limit motion with the same sigma3_bar and
+    energy: it is the increase of chi, without its jump at the impact, over one stretch of that motion. If the
+    limit motion crosses the vertical, the stretch goes from there to flat and back; if not, from a turning point
+    to flat and back to a turning point. So race_angle -> side kappa pi as eta -> 0, eq. (7.9). If the energy does
+    not exceed V_0 (the value that the potential V has at flat if eta = 0), the disk cannot come flat: there is no
+    limit motion, and race_angle and fall_angle are NaN. The sums of duration, delta_chi and delta_psi over the
+    bounces of a period are the integrals (3.12), (3.13).
 
     Examples
     --------

@@ -139,7 +139,7 @@ class LimitMotion:
         return np.array(first + self.period * np.arange(count), dtype=np.float64)
 
     def __call__(self, t: ArrayLike) -> LimitState:
-        """The motion at times from 0 to that of 1e8 impacts, where the place between two has lost 8 digits."""
+        """The motion at times from 0 to the time of 1e8 impacts; so late, its phase is known to 8 digits fewer."""
         times, disk, face = column("t", t), self.disk, self.face
         last = _MOST_IMPACTS * self.period
         if not ((times >= 0.0) & (times <= last)).all():
@@ -210,7 +210,7 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     Raises
     ------
     InputError
-        If the state is not on F, or the disk would not fall from it, for a side that is not +1 or -1, and for
+        If the state is not on F, if the disk would not fall from it, if side is not +1 or -1, or if there are
         several states.
 
     Notes

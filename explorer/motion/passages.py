@@ -66,8 +66,8 @@ class Passages(Result):
     status : array of int8
         `Status` of each sample.
     method, model : str
-        The method that answered, and what it computes: 'quadrature' for integrals, 'reduced' for phi, phidot,
-        sigma3 and sigma4 in time, 'angles' with chi and psi too, 'path' with the path too.
+        The method used, and what it computed: 'quadrature' (integrals), 'reduced' (phi, phidot, sigma3
+        and sigma4 in time), 'angles' (chi and psi too) or 'path' (the path too).
 
     Examples
     --------
@@ -141,7 +141,8 @@ def passages(
         'auto' or 'quadrature', or 'rk4', 'rk8', 'dopri5', 'dop853', which project each step onto the constants,
         and say UNRESOLVED_SIDE if their error hides the direction of the race.
     accuracy : float
-        Largest error: of angles in rad (or their 14th digit, if that is larger), of times and theta_min relative.
+        Largest error accepted: absolute for angles (rad; no angle is known better than to its 14th digit),
+        relative for times and theta_min.
     jobs : int
         Threads.
 

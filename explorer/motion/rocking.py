@@ -41,7 +41,7 @@ class Rocking:
     theta_min : array
         Smallest tilt of the bounce (rad).
     period : array
-        Of one bounce, units of the disk.
+        Period of one bounce, units of the disk.
     theta_0 : float
         Tilt of the bottom (rad).
 
@@ -74,7 +74,8 @@ def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HA
     disk : Disk
         The body, with I3 > 0.
     excess : array_like, optional
-        Energies, (E - V_0)/(3/2 m g r theta_0): above 1, which is the bottom of the well; by default up to 1e4.
+        Energies, as (E - V_0)/(3/2 m g r theta_0), where V_0 is the value of V at flat if eta = 0. They must
+        exceed 1, the value at the bottom of the well; by default up to 1e4.
     eta_hat : float
         Units of the disk; not 0, and small enough for the tilts to stay below 0.1 rad. The motions have a
         sigma3_bar of the size of eta_hat ln(eta_hat). As eta_hat goes to 0, their curve of chi against excess

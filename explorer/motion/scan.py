@@ -81,7 +81,7 @@ class Scan(Table):
     @overload
     def __getitem__(self, key: Any) -> Scan: ...
     def __getitem__(self, key: Any) -> Any:
-        """An observable by its name; or some of the states, chosen as entries of an array of this shape are."""
+        """An observable by its name; or some of the states, indexed as you would an array of this shape."""
         if isinstance(key, str):
             return self.values[one_of("observable", key, self.values)]
         values, states = self._chosen(key)

@@ -61,8 +61,8 @@ class Trajectories(WithStatus):
     path, contact : (n, nt, 3) array or None
         Centre of mass and contact point, in the unit of length. The centre starts above the origin.
     status : (n,) array of int8
-        `Status` of each motion; STEP_TOO_SMALL also where a path is so long, thousands of r in a unit of time,
-        that rounding alone moves it by more than the accuracy asked.
+        `Status` of each motion. A motion also has STEP_TOO_SMALL if its path grows so fast, by thousands of r in a
+        unit of time, that rounding alone moves it by more than the accuracy asked.
     steps : (n,) array of int32
         Attempted steps of the integrator.
     constants_error : (3, n) array
@@ -123,7 +123,7 @@ class Trajectories(WithStatus):
         return int(self.status.size)
 
     def __getitem__(self, rows: Any) -> Trajectories:
-        """Some of the motions, chosen as entries of a flat array are: by a number, a slice, a mask or numbers.
+        """Some of the motions. Index as you would a flat array: by a number, a slice, a mask or a list of numbers.
 
         Examples
         --------
@@ -151,11 +151,12 @@ class Trajectories(WithStatus):
         """The motions at any times from 0 to `t_end`, also inside a race.
 
         A state between two points of a curve is found by the method of the integration itself, from the point
-        before: it is as accurate as they are, and no straight line. If t_eval was given, the motion is integrated
-        again from its start. In a race chidot is some 4/eta_hat (natural units), and an error of the time is an
-        error of chi that many times as large. Two errors of the time count: that of the accuracy, which shifts the
-        whole race, and the rounding of t, some 1e-15. For eta_hat below 1e-14, single times therefore no longer
-        tell where the race is. Its course is in the curve at any eta_hat: chi against phidot, phi or the path.
+        before, and is as accurate as these points. If t_eval was given, the motion is integrated again from its
+        start. In a race chi turns at a rate of some 4/eta_hat (natural units), and an error of the time becomes an
+        error of chi that many times as large. The time has two errors: that of the integration, which shifts the
+        whole race, and the rounding of t, some 1e-15. For eta_hat below 1e-14 you can therefore not tell from a
+        single time how far the race has got. The curve is right at any eta_hat: chi against phidot, phi or the
+        path.
 
         Parameters
         ----------
@@ -213,9 +214,9 @@ def simulate(
 ) -> Trajectories:
     """Follow motions in time from their initial states, at times as dense as each motion needs.
 
-    After each step the state is projected back onto sigma3_bar and eta; onto the energy it is projected once per
-    swing, and the change of the energy is reported as an error. An eta_hat that was given is kept, down to 1e-300.
-    A state on the falling set has the status FALLS.
+    After each step the state is projected back onto sigma3_bar and eta; onto the energy it is projected once in
+    each oscillation of the tilt, and the change of the energy is reported as an error. An eta_hat that was given
+    is kept, down to 1e-300. A state on the falling set has the status FALLS.
 
     Parameters
     ----------
@@ -228,7 +229,7 @@ def simulate(
     observables : sequence of str
         Any of phi, tilt, phidot, sigma3, sigma4, chi, psi, path, contact. Only these are integrated.
     method : str
-        'auto' (the cheaper adaptive pair), 'rk4', 'rk8', 'dopri5' or 'dop853'.
+        'auto' (dopri5 or dop853, whichever is cheaper), 'rk4', 'rk8', 'dopri5' or 'dop853'.
     accuracy : float
         Largest error, 1e-11 to 0.1, of angles (rad) and path (in r) in one passage, which takes about 2 sqrt(r/g).
         Over k passages the error grows like k. During a race the angles may err by more: there the accuracy bounds

@@ -37,7 +37,8 @@ class Wander:
     step : array of complex
         Shift of the centre over the table, a(tau) - a(0), as the complex number a1 + i a2, for chi(0) = 0.
     radius : array
-        Of the circle on which the centre lies after each period, |step|/(2 |sin(chi/2)|); infinite at a resonance.
+        Radius of the circle on which the centre lies after each period, |step|/(2 |sin(chi/2)|); infinite at a
+        resonance.
     status : array of int8
         `Status` of each motion: that of its period or, if that is OK, that of its integration. Where it is not OK,
         the other columns are NaN.
@@ -58,7 +59,7 @@ class Wander:
     status: NDArray[np.int8]
 
     def after(self, count: int) -> NDArray[np.complex128]:
-        """a(k tau) - a(0) for k = 0 ... count, (n, count + 1): the steps, each turned by chi more."""
+        """a(k tau) - a(0) for k = 0 ... count, (n, count + 1): each step is the one before it, turned by chi."""
         count = whole("count", count, 0, _MOST_STEPS // max(1, self.chi.size))
         turned = np.exp(1j * self.chi[:, None] * np.arange(count))
         turns = np.concatenate([0.0 * turned[:, :1], np.cumsum(turned, axis=1)], axis=1)

@@ -103,7 +103,7 @@ class Branch:
     Attributes
     ----------
     parameter : array
-        Of the path, units of the disk.
+        Parameter of the path, units of the disk.
     phi : array
         Tilts (rad).
     energy : array

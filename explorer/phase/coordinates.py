@@ -131,7 +131,8 @@ def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
     disk : Disk
         The disk.
     **coordinates
-        Three to five arrays, which broadcast; all rates are in the units of the disk. Give a tilt, spins, a face.
+        Three to five arrays, which broadcast: a tilt, two spins and, if you like, a face. All rates are in the
+        units of the disk.
 
         - The tilt is one of three: phi, the angle to the vertical (rad, 0 if left out), with phidot or with the
           energy; theta with thetadot, as for `theta_to_states`; or tilt with tilt_rate (0 if left out), as for

@@ -36,9 +36,9 @@ UNITS = {
     "m": (1.0, ("r",)),
 }
 SYNTAX = (
-    f"a name, a file or numbers. Names are {', '.join(PRESETS)} (whose limit motions on the two sides of F agree) "
-    "and annulus:INNER_OVER_OUTER; numbers may follow a name, as in uniform:m=..,r=..,g=... A file is FILE.toml. "
-    'Numbers alone are "m=..,r=..,g=..,I1=..,I3=..", where I3=flat means 2 I1. '
+    f"a name, a file FILE.toml, or numbers. Names are {', '.join(PRESETS)} (its limit motions on the two sides of "
+    'F agree) and annulus:INNER_OVER_OUTER. Numbers may follow a name, as in "uniform:m=..,r=..,g=..", or stand '
+    'alone: "m=..,r=..,g=..,I1=..,I3=..", where I3=flat means 2 I1. '
     f"A number may have a unit ({', '.join(UNITS)}), as in "
     '"m=20g,r=5cm,I1=150 g cm^2,I3=flat"; g is then 9.81 m/s^2 if left out'
 )
@@ -75,8 +75,8 @@ class Disk:
     Warns
     -----
     UserWarning
-        If m or r is given and I3 exceeds 2 m r^2: mass then lies far beyond the rim, or moments were
-        meant in units of m r^2, as `from_ratios` takes them.
+        If m or r is given and I3 exceeds 2 m r^2. Then either mass lies far beyond the rim, or the moments
+        were meant in units of m r^2; `from_ratios` takes these.
 
     Examples
     --------
@@ -323,7 +323,7 @@ class Disk:
 
     @cached_property
     def chart(self) -> compiled.potential.Chart:
-        """The disk as arcs of motions need it."""
+        """The form of the disk in which arcs of motions are computed."""
         return compiled.potential.make_chart(self.natural)
 
     @property
@@ -333,7 +333,7 @@ class Disk:
 
     @cached_property
     def whole(self) -> compiled.chaplygin.Whole:
-        """Chaplygin series as tuples, for lanes."""
+        """Chaplygin series as tuples, for code that computes several motions side by side."""
         return compiled.chaplygin.make_whole(self.natural.series)
 
     @cached_property

@@ -119,7 +119,7 @@ class Potential:
     disk : Disk
         The body.
     bar, eta : float
-        sigma3_bar and eta_hat of `face` in natural units.
+        bar: sigma3_bar. eta: eta_hat on `face`. Both in natural units.
     face : int
         +1, or -1 for the mirror image, eq. (3.2).
 
@@ -197,11 +197,11 @@ class Potential:
         return self._of_phi(phi, "curvature", self.disk.energy_unit)
 
     def rho(self, phi: ArrayLike) -> Array:
-        """sigma3/cos phi at phi (rad), units of the disk: by q times the speed of chi, so finite beside flat."""
+        """sigma3/cos phi at phi (rad), units of the disk: cos phi times the rate of chi, so finite near flat."""
         return self._of_phi(phi, "rho", self.disk.rate_unit)
 
     def at_y(self, y: ArrayLike) -> Terms:
-        """As `terms`, where sin phi = tanh y."""
+        """As `terms`, at the phi with sin phi = tanh y."""
         values = np.ravel(column("y", y))
         if np.any(abs(values) > _FARTHEST):
             raise InputError(f"y = {shown(y)}: sin phi = tanh y is flat there; give up to {_FARTHEST:g} in size")
@@ -214,7 +214,7 @@ class Potential:
         return self.disk.energy_at_flat(self.bar)
 
     def outermost(self, face: int) -> float:
-        """|y| beyond which V' keeps its sign towards flat."""
+        """|y| beyond which V' keeps its sign towards flat; sin phi = tanh y."""
         eta, rates = abs(self.etas()[sign("face", face)]), 1.0 + abs(self.bar) + abs(self.eta)
         tilt = _FLAT / rates**2 if eta == 0.0 else _WALL * min(eta, 1.0) / rates
         return math.log(2.0 / max(tilt, _SMALLEST))
@@ -306,7 +306,7 @@ class Potential:
         return float(changes_of_sign(self._term("V", E), np.array([low]), np.array([high]))[0])
 
     def curve(self, component: Component) -> tuple[Array, Array]:
-        """phi and phidot >= 0 along a piece of a level; -phidot is its other half. rad, units of the disk."""
+        """phi (rad) and phidot >= 0 (units of the disk) along a piece of a level; its other half has -phidot."""
         low, high = component.y
         # Dense towards both ends, where phidot vanishes like a square root
         angle = np.linspace(0.0, np.pi, _POINTS + int(2.0 * (high - low)))
@@ -343,7 +343,7 @@ class Potential:
     def falling_edge(self, y: Array) -> Array:
         """The least |phidot| with which the disk falls from sin phi = tanh y; infinite where nothing falls.
 
-        A motion goes both ways sooner or later, so one flat state within reach is enough.
+        Every motion tilts both ways sooner or later, so it is enough that one flat state is within reach.
         """
         y = np.ravel(column("y", y))
         every = np.union1d(y, self._stops[0][1:-1])

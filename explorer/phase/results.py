@@ -54,7 +54,7 @@ class Table:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """The shape of the arrays; what an array has beyond it are the entries of vectors."""
+        """The shape that all arrays share. Arrays of vectors have further axes."""
         shapes = [np.shape(value) for value in self._arrays().values()]
         return min(shapes, key=len, default=())
 
@@ -78,7 +78,7 @@ class Table:
         return self._arrays()
 
     def _chosen(self, rows: Any) -> tuple[dict[str, NDArray[Any]], Any]:
-        """Arrays of some samples, chosen as entries of an array of this shape are, and the states of these."""
+        """Arrays of some samples, indexed as an array of this shape is, and the states of these."""
         places = np.atleast_1d(np.arange(self.size).reshape(self.shape)[rows])
         flat = {name: v.reshape(self.size, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
         states = getattr(self, "states", None)
@@ -111,7 +111,7 @@ class Table:
         return frame
 
     def to_arrow(self) -> "pa.Table":
-        """An Arrow table as `to_pandas`; each field says its meaning, unit and equation in its metadata."""
+        """The table of `to_pandas`, in Arrow; the metadata of each field say its meaning, unit and equation."""
         return to_arrow(self._flat())
 
     def _good(self) -> NDArray[np.bool_]:
@@ -175,7 +175,7 @@ class Result(WithStatus, Table):
         return self.status.shape
 
     def __getitem__(self, rows: Any) -> Self:
-        """Some of the samples, chosen as entries of an array of this shape are: by a number, a slice or a mask."""
+        """Some of the samples. Index as you would an array of this shape: by a number, a slice or a mask."""
         arrays, states = self._chosen(rows)
         if states is None:
             return replace(self, **arrays)  # type: ignore[type-var]
@@ -205,7 +205,8 @@ class Result(WithStatus, Table):
         return replace(self, **arrays)  # type: ignore[type-var]
 
     def among(self, rows: NDArray[np.intp], status: NDArray[np.int8]) -> Self:
-        """This result of some rows among all; what is not OK keeps its status alone, and else is NaN, 0 or False.
+        """Put this result, of some rows, into one of all rows; the others keep their status, and are NaN, 0 or
+        False.
 
         status: of all rows, before this result was found for some of them.
         """

@@ -107,7 +107,7 @@ class States(WithStatus):
         return int(self.natural.shape[1])
 
     def __getitem__(self, rows: int | slice | NDArray[Any]) -> States:
-        """Some of the states, chosen as entries of a flat array are: by a number, a slice, a mask or numbers.
+        """Some of the states. Index as you would a flat array: by a number, a slice, a mask or a list of numbers.
 
         Examples
         --------
@@ -136,7 +136,7 @@ class States(WithStatus):
 
     @cached_property
     def motion(self) -> Motion:
-        """The motions through the states (natural units), in a row; NaN for bad input."""
+        """The motions through the states (natural units), as flat arrays; NaN for bad input."""
         motion = motion_through(self.disk, self.natural)
         if self.given is not None:
             motion = self.given._replace(energy=motion.energy)
@@ -273,7 +273,8 @@ def constants_to_states(
 ) -> States:
     """States at the vertical from constants of motion.
 
-    They keep the eta_hat that they are made from, however small; computed from a state it would drown in rounding.
+    They keep the eta_hat that they are made from, however small. Computed from a state, it would drown in
+    rounding.
 
     Parameters
     ----------

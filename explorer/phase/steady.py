@@ -33,9 +33,10 @@ class SteadyMotions(Result):
     spin : array
         Angular velocity about the disk's own axis.
     radius : array
-        Of the circle of the contact point, negative where the disk leans away from the centre of its circle.
+        Radius of the circle of the contact point, negative where the disk leans away from the centre of its
+        circle.
     stable : array of bool
-        Whether V'' > 0: a push makes it wobble only.
+        Whether V'' > 0: after a push it only wobbles.
     status : array of int8
         `Status` of each motion, OK or BAD_INPUT.
     states : States

@@ -156,9 +156,9 @@ def bifurcation_of_energies(
 @picture(
     Question.WHICH_MOTIONS,
     "A phase portrait for each region that has a letter in the picture of the energies along a path. The thick "
-    "curves are the motions with the energy of the letter, and the title says what they do. Where the background "
-    "is violet, the disk falls; elsewhere it goes to and fro. If there are two wells and the energy is small, it "
-    "stays in one of them.",
+    "curves are the motions with the energy at which the letter stands in that picture, and the title says what "
+    "they do. Where the background is violet, the disk falls; elsewhere it goes to and fro. If there are two "
+    "wells and the energy is small, it stays in one of them.",
     (SIZE[0], 5.2),
     "bifurcation",
     lambda asked: [(f"regions-{path}", (asked.disk, path)) for path in _DRAWN],

@@ -190,7 +190,7 @@ def _plane(ax: Axes, disk: Disk) -> None:
 
 @picture(
     Question.HAPPENS,
-    "The names of angles and constants. Above, the disk on its table: φ is the angle of its plane to the "
+    "What the angles and constants are called. Above, the disk on its table: φ is the angle of its plane to the "
     "vertical, θ that of its axis, χ the direction in which the contact point lies, ψ how far it has moved along "
     "the rim. Below, the plane of the constants of motion: the disk can fall flat on one of its faces, called "
     "+1, only if its constants lie on the line l₊. The states that fall make up the falling set F, and the sign "

@@ -23,8 +23,8 @@ _FEWEST = 100  # samples that a guide of slope one is drawn through
     Question.FROM_WHERE,
     "The plane of the two constants of motion, divided into cells: the colour of a cell is that of the flattest "
     "motion among its samples. Only motions on two lines through the origin come flat; the exact lines are drawn "
-    "only near the edges, so that they do not hide the ridges of samples. A cell with more samples finds flatter "
-    "ones.",
+    "only near the edges, so that they do not hide the ridges of samples. The more samples a cell has, the "
+    "flatter is the flattest of them.",
 )
 def constants_plane(ax: Axes, plane: ConstantsPlane) -> None:
     """Draw the flattest motion in each cell of the plane of constants, and both lines l_+-.

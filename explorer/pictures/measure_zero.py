@@ -19,9 +19,10 @@ _REJECTED = 0.05  # p-value below which a law is called rejected
 
 @picture(
     Question.HOW_RARELY,
-    "The probability to come flatter than δ, over fifteen decades. Estimates with their intervals lie on the "
-    "line Cδ, whose C is computed without any sample. Two other laws are drawn in, and the legend says whether "
-    "the draws reject them. Below, the estimates divided by the law: all intervals contain 1 once δ is small.",
+    "The probability that the disk comes flatter than δ, over fifteen decades. Estimates with their intervals "
+    "lie on the line Cδ, whose C is computed without any sample. Two other laws are drawn in, and the legend "
+    "says whether the draws reject them. Below, the estimates divided by the law: all intervals contain 1 once "
+    "δ is small.",
     (SIZE[0], 9.0),
 )
 def probability(figure: Figure, summary: dict[str, Any]) -> None:

@@ -166,9 +166,9 @@ def race_collapse(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 1e-2, 1
     Question.HOW_FAR,
     "Motions near F, drawn by two rates that stay bounded at flat: the rate of the tilt, and ρ/κ, where ρ is the "
     "speed of the contact point along the rim. The nearer to F, the closer they keep to half of a circle, from "
-    "the impact at −A to the rise at +A, with one half for each side of F. Each half is a solution of the "
-    "equations for a disk that lies exactly flat, and this solution is the race: along it the contact point "
-    "turns by ±κπ.",
+    "the impact at −A to the rise at +A (A is the speed at impact), with one half for each side of F. Each half "
+    "is a solution of the equations for a disk that lies exactly flat, and this solution is the race: along it "
+    "the contact point turns by ±κπ.",
     group="limit",
 )
 def blow_up(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.01, 0.001)) -> None:

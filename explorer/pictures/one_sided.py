@@ -35,12 +35,12 @@ _LIMIT: dict[str, Any] = {"color": LAW, "lw": 0.9, "ls": ":"}
     "what the motions on one side of F tend to as they come closer to F. Each coloured line is the median over "
     "the starts, taken on the side of F where the median is larger; the dashed line is the largest distance from "
     "the limit motion among all bodies and starts. Below 0.01 all lines are about as steep as η ln(1/η), the "
-    "dotted line, of which only the slope counts.",
+    "dotted line; its height has no meaning.",
 )
 def one_sided_distance(ax: Axes, summary: dict[str, Any]) -> None:
     """Draw the distance to the limit motion against |eta_hat| for each disk, on the side where it is larger.
 
-    summary: of a run of scene one-sided.
+    summary: the summary of a run of scene one-sided.
     """
     ax.set(xscale="log", yscale="log")
     looks = body_looks(summary["disks"])
@@ -120,8 +120,8 @@ def angle_of_contact(ax: Axes, both: BothSides, side: int, chi0: float = 0.0) ->
 @picture(
     Question.EACH_SIDE,
     "The path of the contact point on the table, seen from above, on both sides of F; arrows show the motion. "
-    "Both start alike, race round the same circle in opposite senses where the disk nearly falls, and leave in "
-    "directions that differ by 2κπ. If 2κπ is a whole number of turns, this is the same direction.",
+    "The two paths start alike, race round the same circle in opposite senses where the disk nearly falls, and "
+    "leave in directions that differ by 2κπ. If 2κπ is a whole number of turns, this is the same direction.",
 )
 def contact_paths(ax: Axes, both: BothSides) -> None:
     """Draw the path of the contact point seen from above, as `explorer.both_sides` gives it.

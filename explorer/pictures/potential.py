@@ -180,11 +180,11 @@ def _name(potential: Potential) -> str:
 
 @picture(
     Question.WHICH_MOTIONS,
-    "The same motions on both sides of F, blue and vermilion, in two planes. Left, the angle φ to the vertical "
-    "and its rate: the sides are alike, and both turn back just before flat. Right, the speed of the contact "
-    "point along the rim, ρ = σ₃/cos φ, against the rate of the tilt: near flat each motion runs along half of "
-    "an ellipse, and the two halves are the races, in opposite directions. The loops inside, alike on both "
-    "sides, are where the disk turns back at the other end of its swing.",
+    "Corresponding motions on the two sides of F, blue and vermilion, in two planes. Left, the angle φ to the "
+    "vertical and its rate: the sides are alike, and both turn back just before flat. Right, the speed of the "
+    "contact point along the rim, ρ = σ₃/cos φ, against the rate of the tilt: near flat each motion runs along "
+    "half of an ellipse, and the two halves are the races, in opposite directions. The loops inside, alike on "
+    "both sides, are where the disk turns back at the other end of its swing.",
     (SIZE[0], 4.2),
     "phase",
     lambda asked: [
@@ -194,8 +194,8 @@ def _name(potential: Potential) -> str:
 def portrait_of_sides(figure: Figure, potential: Potential, energies: tuple[float, float] | None = None) -> None:
     """Draw levels of the energy on both sides of F, in the plane of the tilt and in that of the race, eq. (7.6).
 
-    potential: from `explorer.potential`, beside a line l_+-, on one side; the other side is its mirror image, with
-    -eta_hat.
+    potential: from `explorer.potential`, for constants on one side of a line l_+ or l_-. The other side is its
+    mirror image, with -eta_hat.
     """
     if potential.eta == 0.0:
         raise InputError(

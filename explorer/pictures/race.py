@@ -133,14 +133,14 @@ def _angles(ax: Axes, found: Mapping[str, Any]) -> None:
 
 @picture(
     Question.HOW_FAR,
-    "How far race angles are from ±κπ against the distance from F. Half of the passages lie below the lower "
-    "line, nine tenths below the upper one, and both fall about as steeply as the law |η| ln(1/|η|), the dashed "
-    "line. The deviation of a single passage differs from the law by |η| times a factor, which is not the same "
-    "for all passages. Each deviation is divided by K = 2mgr/(I₁MA³) of its passage, where A is the speed at "
-    "impact and M is I₁ + mr².",
+    "The deviation of race angles from ±κπ, plotted against the distance from F. Half of the passages lie below "
+    "the lower line, nine tenths below the upper one, and both lines fall about as steeply as the dashed line, "
+    "the law |η| ln(1/|η|). The deviation of a single passage differs from the law by |η| times a factor, which "
+    "is not the same for all passages. Each deviation is divided by K = 2mgr/(I₁MA³) of its passage, where A is "
+    "the speed at impact and M is I₁ + mr².",
 )
 def race_deviation(ax: Axes, races: Mapping[str, Any] | Passages | Bounces | list[dict[str, Any]]) -> None:
-    """Draw how far race angles are from +-kappa pi, divided by K (caption), and the law |eta| ln(1/|eta|).
+    """Draw how far race angles are from +-kappa pi, divided by K (see the caption), and the law |eta| ln(1/|eta|).
 
     races: the summary of a run of scene race-angles, what `explorer.passages` or `explorer.bounces` returned, or
     the rows of `explorer.race_law`.

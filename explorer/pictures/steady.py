@@ -45,7 +45,7 @@ RADII = (0.5, 1.0, 2.0, 5.0)  # of the circles that are marked, in radii of the 
     group="phase",
 )
 def steady_plane(ax: Axes, disk: Disk) -> None:
-    """Draw the plane of constants: the lines l_+-, the curve where two steady motions merge, and wells near F."""
+    """Draw the plane of constants: the lines l_+-, where they have wells, and where two steady motions merge."""
     x, y = fold_curve(disk)
     ax.fill(x, y, color=UNSTABLE, lw=0)
     width, height = 2.2 * abs(x).max(), 1.7 * abs(y).max()

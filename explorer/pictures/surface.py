@@ -28,7 +28,7 @@ _FACES = {1: ("#5AAE61", "-"), -1: ("#9970AB", "--")}  # faces, not sides of F
 def falling_surface(
     figure: Figure, disk: Disk, size: float | None = None, phi: Sequence[float] = (-1.2, -0.6, 0.0, 0.6, 1.2, 1.5)
 ) -> None:
-    """Draw F, eq. (6.1), in the plane of sigma3 and sigma4 at some tilts, to |sigma3|, |sigma4| <= size."""
+    """Draw F, eq. (6.1), in the plane of sigma3 and sigma4 at several tilts, for |sigma3|, |sigma4| <= size."""
     reach = disk.rate_unit if size is None else size
     panels = figure.subplots(-(-len(phi) // 3), 3, sharex=True, sharey=True, squeeze=False).ravel()
     for ax, tilt, *lines in zip(panels, phi, *sheets(disk, reach, phi).values(), strict=False):

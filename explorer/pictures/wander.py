@@ -24,7 +24,7 @@ _BOUNDED = 1e6  # radii; a larger circle is straight in any picture, so none is 
     "are the centre after each period; they lie on the dotted circle, unless a resonance carries the disk away.",
 )
 def rosette(ax: Axes, path: WanderPath) -> None:
-    """Draw a path of `explorer.wander_path`, the predicted centre after each period, and the circle of these."""
+    """Draw a path of `explorer.wander_path`, the predicted centre after each period, and the circle of centres."""
     _path(ax, path)
     ax.set_aspect("equal", adjustable="datalim")
     legend_below(ax, ncols=3)

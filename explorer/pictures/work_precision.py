@@ -26,7 +26,7 @@ _TITLES = {
     "beats; the stars are quadrature.",
 )
 def work_precision(ax: Axes, measured: Measured) -> None:
-    """Draw time per sample against the 99th percentile of the error, a line per method, the front in grey.
+    """Draw time per sample against the 99th percentile of the error, a line per method, and a band along the best.
 
     measured: one of the `parts` of what `explorer.trade` returns. Settings that are no better than a coarser
     one of the same method are left out.

@@ -109,16 +109,16 @@ class Run:
 
     @property
     def identity(self) -> dict[str, Any]:
-        """What decided its numbers: options, and digests of what computed them."""
+        """All that decides the numbers of the run: its options, and digests of the code."""
         return folders.identity(self.scene) if self.folder is None else folders.read_record(self.folder)
 
     @property
     def chunks(self) -> list[store.Chunk]:
-        """The chunks that are there, and files that may be chunks."""
+        """The stored chunks, with files that have the name of a chunk but may be damaged."""
         return list(self._held) if self.folder is None else store.chunks_in(self.folder)
 
     def complete(self) -> list[store.Chunk]:
-        """All chunks, in order. Raises RunError if one is missing, or if there are two of its number.
+        """All chunks, in order. Raises RunError if one is missing, or if two have the same number.
 
         Examples
         --------
@@ -330,7 +330,7 @@ class Run:
     def resume(self, **settings: Any) -> "Run":
         """Compute what is missing or damaged, and draw the pictures that are missing; returns the run itself.
 
-        settings: how, as for `run`: jobs, backend, scheduler, format, figures, progress.
+        settings: how to compute, as for `run`: jobs, backend, scheduler, format, figures, progress.
 
         Examples
         --------

@@ -36,7 +36,7 @@ def read_rng(name: str, value: Any) -> int:
 
 
 class Settings(Options):
-    """How a run is made, which changes no number."""
+    """How the run is computed and stored, without effect on its numbers."""
 
     out: Path | None = option(
         FOLDER,
@@ -45,13 +45,14 @@ class Settings(Options):
     )
     exist: str = option(
         word_of("resume", "replace", "error")._replace(metavar=None),
-        'what becomes of a run that is there: "resume" computes what is missing, "replace" all; "error" refuses',
+        'what to do if the folder already holds a run: "resume" computes what is missing, "replace" computes '
+        'everything anew, "error" refuses',
         default="resume",
     )
     jobs: int = option(whole_from(1, MOST_JOBS), "number of workers; results do not depend on it", default=2)
     backend: str = option(word_of("threads", "processes", "dask"), "kind of workers", default="threads")
     scheduler: str | None = option(
-        TEXT._replace(metavar="ADDRESS"), "address of a dask scheduler", words="one that the run starts"
+        TEXT._replace(metavar="ADDRESS"), "address of a dask scheduler", words="the run starts its own"
     )
     figures: bool = option(TRUTH, "draw pictures into the folder", default=True)
     format: tuple[str, ...] | None = option(
@@ -60,7 +61,7 @@ class Settings(Options):
         words="png,svg",
     )
     progress: bool | None = option(
-        Reader(flag, None, "bool"), "False prints nothing; else a bar where a run takes more than two seconds"
+        Reader(flag, None, "bool"), "False prints nothing; otherwise a bar appears if the run takes over 2 seconds"
     )
     rng: int | None = option(
         Reader(read_rng, None, "int | np.random.SeedSequence | np.random.Generator"),

@@ -61,7 +61,7 @@ class MeasureZero(FromDensity):
     # Enough plain draws to see a probability of 1e-6, were there one
     samples: int = option(*SAMPLES, default=4_000_000)
     tube: int = option(
-        whole_from(2, 10**9), "random states close to F, for each delta and each face", default=1 << 18
+        whole_from(2, 10**9), "number of random states close to F, for each delta and each face", default=1 << 18
     )
 
     tally = ZeroCounts

@@ -61,7 +61,7 @@ class OneSided(Scene):
         BOX_NEAR_F,
         follows=lambda self, given: None if given is None else BoxNearF.of(self.disk[0], given),
     )
-    eta_hat: Range | None = option(RANGE, ETA_HAT, words="1e-6:1e-1, by decades, natural units")
+    eta_hat: Range | None = option(RANGE, ETA_HAT, words="1e-6:1e-1 natural units, one distance for each decade")
     accuracy: float = option(
         NUMBER._replace(metavar="TOL"),
         "largest error accepted: of angles in rad, of paths in disk radii",

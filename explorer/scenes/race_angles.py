@@ -81,8 +81,8 @@ class RaceAngles(FromStates):
     )
     start: str = option(
         word_of("near", "anywhere"),
-        "where motions start: near (upright, near the falling set), or anywhere (random or given states in all of "
-        "the phase space, followed to their next approaches to flat)",
+        "near: upright, near the falling set. anywhere: random or given states of the whole phase space, each "
+        "followed to its next approaches to flat",
         words="near; but anywhere if you give states, energy, gaussian, density (in Python), or a box with other "
         "coordinates than phidot and sigma3",
         follows=lambda self, given: "near" if isinstance(self, NearF) else "anywhere",

@@ -59,7 +59,7 @@ class Counts(Tally):
 
 
 class Scene(Options, ABC):
-    """What every scene is told."""
+    """Options of every scene."""
 
     disk: Disk = option(DISK, f"disk: {SYNTAX}", default=Disk.uniform(), key="disks")
     seed: int = option(whole_from(0, 2**128 - 1, "S"), "seed of the random streams", default=0)
@@ -273,9 +273,9 @@ def register(scene: K) -> K:
     Parameters
     ----------
     scene : type
-        A class derived from `explorer.scenes.scene.SampledScene`, whose docstring says the question; it offers
-        `draw` and `observe`, and mostly `count` and `summarise`. If you register another class of the same name
-        later, it replaces this one.
+        A class derived from `explorer.scenes.scene.SampledScene`. Its docstring states the question. It must have
+        the methods `draw` and `observe`, and usually has `count` and `summarise`. If you register another class of
+        the same name later, it replaces this one.
 
     Returns
     -------

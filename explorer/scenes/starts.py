@@ -45,8 +45,8 @@ class FromDensity(SampledScene):
     )
     density: Function | None = option(
         DENSITY,
-        "a density, called as density(phi, phidot, sigma3, sigma4), or with the coordinates of the box, which are "
-        "arrays in rad and the units of the disk",
+        "a density, called as density(phi, phidot, sigma3, sigma4), or with whatever coordinates the box has; its "
+        "arguments are arrays, in rad and the units of the disk",
     )
     degrees: bool = option(
         TRUTH, "angles and rates of box, gaussian, slice and states are in degrees", default=False

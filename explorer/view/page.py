@@ -124,7 +124,7 @@ def view(
     face : int, optional
         For a body: the flat state that is meant, +1 (by default) or -1.
     row : int, optional
-        Which motion to show if `motion` has several, counted as in its table.
+        Which motion to show if `motion` has several: the row of its table, counted from 0.
 
     Returns
     -------

@@ -53,7 +53,8 @@ def main():
         "Made by `python tests/reference/report_extremes.py`; references by `tests/reference/make_motions.py`.",
         "Quadrature is compared with 40-digit arithmetic, with m = r = g = 1. Each row gives the largest errors",
         "among the passages of one kind; `tests/reference/make_motions.py` says what the kinds are. Each passage",
-        "is computed at the tightest accuracy that it meets. *Not at 1e-11*: how many passages meet only 1e-8,",
+        "is computed at the finest accuracy that can be reached for it. *Not at 1e-11*: how many passages meet "
+        "only 1e-8,",
         "1e-5 or 1e-2.",
         "",
         "| passages | number | not at 1e-11 | error of angles (rad) | of times, relative | estimate |",

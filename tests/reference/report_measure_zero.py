@@ -55,12 +55,14 @@ def main():
         "# Falling has measure zero",
         "",
         "Made by `python tests/reference/report_measure_zero.py`. It runs `nearflat run measure-zero` with the",
-        "defaults: 4 × 10^6 *plain* draws, from the whole range of starts (the *box*), and, at each tilt delta",
-        "from 1e-1 to 1e-15, 2^18 draws in *tubes*, that is, close to the falling set F, for each face of the",
+        "defaults: 4 × 10^6 *plain* draws from the whole range of starts (the *box*). In addition, at each tilt "
+        "delta",
+        "from 1e-1 to 1e-15, it has 2^18 draws close to the falling set F (in *tubes*) for each face of the",
         "disk. These tilts are the *ladder*, and each is a *rung*. No disk fell in any run, so in each the",
         "probability of falling is below 7.5e-7 (95 %). For small delta the probability to come flatter than",
         "delta is C delta; C is fitted on delta <= 1e-4. *z*: the difference from the prediction in standard",
-        "errors. *+-*: the half-width of the 95 % interval, relative for C. *Slope*: the power of delta that fits",
+        "errors. *+-*: the half-width of the 95 % interval; for C, divided by C. *Slope*: the power of delta "
+        "that fits",
         "best; the law predicts 1. *p*: the p-value of the law.",
         "",
         "| disk | density | C predicted | C estimated | +- | z | slope | +- | p |",
@@ -110,7 +112,8 @@ def split_lines(summary):
     splits, invariance = summary["splits"], summary["invariance"]
     face = splits["face_plus"]
     yield from ("", "## How the probability splits", "")
-    yield f"On face +1: {face['value']:.5f} +- {face['error']:.5f}, predicted {face['predicted']:.5f}."
+    yield f"Share of the probability that belongs to face +1: {face['value']:.5f} +- {face['error']:.5f},"
+    yield f"predicted {face['predicted']:.5f}."
     yield ""
     yield "To leading order both signs of eta have the same share;"
     yield "the relative difference of P from C delta is of order delta:"
@@ -122,7 +125,7 @@ def split_lines(summary):
             f"{row['correction']:+.5f} | {off[0]:+.5f} to {off[1]:+.5f} |"
         )
     yield ""
-    yield "Of the draws that come flatter than delta, theta_min/delta is"
+    yield "Among the draws that come flatter than delta, theta_min/delta is"
     yield f"distributed uniformly: p = {splits['tilt']['p_value']:.2g}. The motion keeps volumes in the"
     yield "phase space: the derivative of the final state with respect to the initial one has a determinant that"
     yield f"equals 1 within {invariance['determinant_error']:.0e}, and states that have"

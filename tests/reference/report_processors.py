@@ -146,7 +146,9 @@ def main():
         "",
         "Made by `python tests/reference/report_processors.py` on "
         f"{platform.machine()}, {' '.join(platform.libc_ver())}, numpy {np.__version__}. {said}. Every row is",
-        "compared with the first. Other kinds of processor are imitated: kernels are compiled for them,",
+        "compared with the first. *Fused*: a product and a sum are rounded only once. Other kinds of processor "
+        "are",
+        "imitated: kernels are compiled for them,",
         "and numpy and the C library are kept from using instructions that these processors lack.",
         "",
         "| kind | `arithmetic` in run.json | " + " | ".join(SCENES) + " |",

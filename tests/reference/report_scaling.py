@@ -101,7 +101,7 @@ def eta_lines(rows):
 
 OF_SIZES = Caption(
     Question.HOW_GOOD,
-    "Time against the number of samples, for states that are drawn, judged and counted, and for passages that "
+    "Time against the number of samples, for states that are drawn, examined and counted, and for passages that "
     "are computed and stored. Small runs take as long as starting takes; beyond the bend the time grows in "
     "proportion to the number of samples, along the dotted line. Above ten million, states are drawn in larger "
     "chunks and take less time each. A second worker is worth while from a hundred thousand passages on, and "
@@ -138,9 +138,9 @@ def draw(rows):
 OF_DISTANCES = Caption(
     Question.HOW_GOOD,
     "Time of one passage against the distance from F, from a tenth down to 1e-300, at an accuracy of 1e-2. "
-    "Quadrature costs the same at any distance. Integrators answer at any distance too, because their steps are "
-    "kept on the constants of motion. They take longer the closer to F: the number of steps into the race and "
-    "out of it grows like the logarithm of the distance.",
+    "Quadrature costs the same at any distance. Integrators answer at any distance too, because each step is "
+    "put back onto the constants of motion. They take longer the closer to F: the number of steps into the race "
+    "and out of it grows like the logarithm of the distance.",
 )
 
 
