@@ -191,7 +191,7 @@ def spoil(place, digest):
     again = started(whole) - before
     return (
         f"{found}/{SPOILT} found by verify, each by name; 20 spoilt at once: resume computed {again} chunks, "
-        f"same digest: {same}"
+        f"same digest: {'yes' if same else 'no'}"
     )
 
 
@@ -213,7 +213,7 @@ def full_disk(place, digest):
             same = finish(disk / "run", resume=True) == digest
             lines.append(
                 f"tmpfs of 20 MB is full: one line says so ({told[:60]}...), {intact} chunks intact, same digest "
-                f"after resuming: {same}"
+                f"after resuming: {'yes' if same else 'no'}"
             )
         finally:
             subprocess.run(["umount", str(disk)], check=True)
