@@ -68,7 +68,7 @@ def page(rows, missing, busy):
         "Ratios compare the fastest settings that meet the",
         "accuracy: the 99th percentile is within it, every trajectory is resolved, and none goes the wrong way. A",
         "dash means that there is no such setting. Quadrature at 1e-11 is compared with the peer's most accurate",
-        "row (in the second table, *peer at its best*).",
+        "row; in the second table also with the peer at 1e-9.",
         "",
         *tables.public_calls(rows),
         "",

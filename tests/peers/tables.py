@@ -129,6 +129,6 @@ def loop_in_words():
         "C++: `tests/peers/fixed_steps.cpp` has our Runge-Kutta coefficients and our equations, for several"
         " motions side by side (in lanes). It is compiled with"
         f" `{' '.join(cpp.options(False)[1:])}` (strict: its steps give the same bits as ours) or"
-        " `-ffp-contract=fast`. It locates no events, and does not put its steps back onto the constants of"
-        " motion: it is told the s at which each motion ends."
+        " `-ffp-contract=fast`. It does not put its steps back onto the constants of motion. It locates no"
+        " events: it is told the s at which each motion ends."
     )
