@@ -57,11 +57,11 @@ def demo(given: Demo, command: str, quiet: bool) -> list[Run]:
     kernels = [name for scene in (*scenes, *exact) for name in scene.kernels]  # so that all is compiled at once
     compiled.warmup(kernels, lambda text: note(text, quiet))
     runs, compared, parts = list[Run](), dict[str, dict[str, Any]](), list[tuple[str, list[str], list[Path]]]()
-    how = {"jobs": given.jobs, "format": "png", "progress": False if quiet else None}
+    how = {"jobs": given.jobs, "format": "png", "progress": not quiet}
     for scene, (name, _, title) in zip(scenes, _STEPS, strict=True):
         title = title.format(how=method_in_words(scene.plan.method))
         note(f"\n{title}", quiet)
-        runs.append(execute(asked(scene, {**how, "out": out / name}, exist="replace")))
+        runs.append(execute(*asked(scene, {**how, "out": out / name}, exist="replace")))
         lines = runs[-1].headline
         if isinstance(scene, SampledScene):
             compared[name] = side_by_side(scene, _BESIDE[name], jobs=given.jobs)

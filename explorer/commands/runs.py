@@ -55,8 +55,7 @@ def _verify(options: argparse.Namespace) -> Answer:
 
 
 def _resume(options: argparse.Namespace) -> Answer:
-    quiet = False if options.quiet else None
-    return shown(open(options.folder).resume(**Settings.said(options), progress=quiet))
+    return shown(open(options.folder).resume(**Settings.said(options), progress=not options.quiet))
 
 
 def _summary(options: argparse.Namespace) -> Answer:

@@ -22,7 +22,7 @@ from explorer.phase.paths import path_of
 from explorer.runs import folder as folders
 from explorer.runs import store
 from explorer.runs.interrupt import stopping
-from explorer.runs.settings import FORMATS, RunRequest, Settings, samples_of
+from explorer.runs.settings import FORMATS, Settings, samples_of
 from explorer.runs.workers import compute_all
 from explorer.scenes.options import plain
 from explorer.scenes.scene import Picture, Scene, Table
@@ -341,7 +341,7 @@ class Run:
         if self._parts:
             raise InputError("several runs were merged here; resume each of them")
         if self.folder is not None:
-            execute(RunRequest(self.scene, Settings.of({**settings, "out": self.folder})))
+            execute(self.scene, Settings.of({**settings, "out": self.folder}))
             vars(self).pop("_total", None)
         return self
 
@@ -399,37 +399,36 @@ def open(folder: Path | str) -> Run:
     return Run(folder=place)
 
 
-def execute(asked: RunRequest) -> Run:
+def execute(scene: Scene, settings: Settings) -> Run:
     """Compute a run into its folder, or into memory where it has none.
 
     Raises InputError before anything is written, RunError after. The numbers depend on the scene alone, never on
     workers or an interruption. The first Ctrl-C or SIGTERM lets running chunks finish; then Interrupted is raised,
     which says how to continue.
     """
-    scene, settings, _ = asked
     if settings.out is not None:
         with folders.opened(settings.out, scene, settings.exist) as record:
-            return _fill(asked, settings.out, record)
-    compiled.warmup(scene.kernels, lambda text: note(text, settings.quiet))
+            return _fill(scene, settings, settings.out, record)
+    compiled.warmup(scene.kernels, lambda text: note(text, not settings.progress))
     with stopping(settings.onward) as stop:
-        held = sorted(_computed(asked, list(range(scene.chunks)), stop), key=lambda chunk: chunk.name)
+        held = sorted(_computed(scene, settings, list(range(scene.chunks)), stop), key=lambda chunk: chunk.name)
     run = Run(scene, held)
     _ = run.summary  # which may find that nothing can be said
     return run
 
 
-def _fill(asked: RunRequest, folder: Path, record: dict[str, Any]) -> Run:
+def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]) -> Run:
     """Compute, store, summarise and draw what is not there. record: what run.json says of a run that was begun."""
-    clock, (scene, settings, command) = time.monotonic(), asked
+    clock = time.monotonic()
 
     def say(text: str) -> None:
-        note(text, settings.quiet)
+        note(text, not settings.progress)
 
     missing = folders.missing_chunks(folder, scene, say)
     known: dict[str, Any] = {"command": None, "formats": FORMATS, "arithmetic": []} | record
     how: dict[str, Any] = {
         "started": known.get("started", folders.now()),
-        "command": command or known["command"],
+        "command": settings.command or known["command"],
         "jobs": settings.jobs,
         "backend": settings.backend,
         "formats": (settings.format or known["formats"] or FORMATS) if settings.figures else [],
@@ -438,7 +437,7 @@ def _fill(asked: RunRequest, folder: Path, record: dict[str, Any]) -> Run:
     folders.write_record(folder, scene, how)
     compiled.warmup(scene.kernels, say)  # takes long; what is stopped now can be resumed
     with stopping(settings.onward) as stop:
-        deque(_computed(asked, missing, stop), maxlen=0)
+        deque(_computed(scene, settings, missing, stop), maxlen=0)
         how |= {"chunks_computed": len(missing), "seconds_for_chunks": round(time.monotonic() - clock, 3)}
         run, summary, drawn = Run(scene, folder=folder), folder / "summary.json", folder / "figures"
         if summary.exists() and summary.read_bytes() != store.as_json(run.summary):
@@ -472,14 +471,15 @@ def _draw_missing(run: Run, formats: Sequence[str], stop: threading.Event) -> bo
     return True
 
 
-def _computed(asked: RunRequest, missing: list[int], stop: threading.Event) -> Iterator[store.Chunk]:
+def _computed(
+    scene: Scene, settings: Settings, missing: list[int], stop: threading.Event
+) -> Iterator[store.Chunk]:
     """Compute the chunks that are missing, and show how far it is. Raises Interrupted."""
-    scene, settings, _ = asked
     due, count, counts = samples_of(scene), len(missing), ByName[int]()
     there = due - sum(map(scene.length, missing))
     often = 0.1 if sys.stderr.isatty() else 5.0  # seconds between two lines
     how: dict[str, Any] = {"desc": scene.name, "unit": " samples", "unit_scale": True, "mininterval": often}
-    with tqdm(total=due, initial=there, delay=2.0, disable=settings.quiet, **how) as bar:
+    with tqdm(total=due, initial=there, delay=2.0, disable=not settings.progress, **how) as bar:
         for chunk, status in compute_all(scene, missing, settings, stop) if missing else ():
             count -= 1
             counts = counts + status

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from explorer.errors import MOST_JOBS, InputError, flag, one_of, whole, words
+from explorer.errors import MOST_JOBS, InputError, one_of, whole, words
 from explorer.scenes.options import FOLDER, TEXT, TRUTH, Options, Reader, option, options_of, whole_from, word_of
 from explorer.scenes.scene import Scene, scene_class
 
@@ -38,6 +38,7 @@ def read_rng(name: str, value: Any) -> int:
 class Settings(Options):
     """How a run is made, which changes no number."""
 
+    command: str | None = None  # the command line that asked for it, if one did
     out: Path | None = option(
         FOLDER,
         "folder of the run",
@@ -59,8 +60,10 @@ class Settings(Options):
         "formats of the pictures: png, svg, pdf",
         words="png,svg",
     )
-    progress: bool | None = option(
-        Reader(flag, None, "bool"), "False prints nothing; else a bar where a run takes more than two seconds"
+    progress: bool = option(
+        TRUTH._replace(metavar=None),
+        "False prints nothing; else a bar where a run takes more than two seconds",
+        default=True,
     )
     rng: int | None = option(
         Reader(read_rng, None, "int | np.random.SeedSequence | np.random.Generator"),
@@ -75,11 +78,6 @@ class Settings(Options):
             raise InputError("backend dask: needs the extra 'cluster': pip install 'nearflat[cluster]'")
 
     @property
-    def quiet(self) -> bool:
-        """Whether nothing but errors is said."""
-        return self.progress is False
-
-    @property
     def onward(self) -> str:
         """How to go on with a run that was stopped."""
         if self.out is None:
@@ -89,35 +87,31 @@ class Settings(Options):
         return f"continue with: nearflat resume {self.out}{by}{to}"
 
 
-class RunRequest(NamedTuple):
-    """A run that was asked for: its question, how it is made, and the command line, if one asked for it."""
-
-    scene: Scene
-    settings: Settings
-    command: str | None = None
-
-
-def asked(name: Any, given: Mapping[str, Any], command: str | None = None, exist: str = "resume") -> RunRequest:
+def asked(
+    name: Any, given: Mapping[str, Any], command: str | None = None, exist: str = "resume"
+) -> tuple[Scene, Settings]:
     """The run that scene and keywords ask for, of Python, of the command line or of a TOML file.
 
     name: as `scene_class` takes it, or a scene. command: the command line, where there is one; then the run always
     has a folder. exist: what becomes of a run in the folder, unless it is said. Raises InputError.
     """
-    settings, rest = Settings.apart({"exist": exist, **{k: v for k, v in given.items() if v is not None}})
+    said = {"exist": exist, **{name: value for name, value in given.items() if value is not None}}
+    known = {each.name for each in options_of(Settings)}
+    settings = Settings.of({name: said.pop(name) for name in [*said] if name in known})
     if settings.rng is not None:
-        if "seed" in rest:
+        if "seed" in said:
             raise InputError("rng and seed set the same; leave one out")
-        rest["seed"] = settings.rng
+        said["seed"] = settings.rng
     kind = type(name) if isinstance(name, Scene) else scene_class(name)
-    taken = {*_WORDS, *(each.name for each in options_of(Settings))} & {each.name for each in options_of(kind)}
+    taken = {*_WORDS, *known} & {each.name for each in options_of(kind)}
     if taken:
         raise InputError(
             f"scene {kind.__name__}: {min(taken)} is the name of a setting of runs; give your option another name"
         )
-    scene = name if isinstance(name, Scene) else kind.of(rest)
+    scene = name if isinstance(name, Scene) else kind.of(said)
     if settings.out is None and (command is not None or samples_of(scene) > MOST_IN_MEMORY):
         settings = replace(settings, out=Path(f"results/{scene.name}-{scene.label}-{scene.seed}"))
-    return RunRequest(scene, settings, command)
+    return scene, replace(settings, command=command)
 
 
 def samples_of(scene: Scene) -> int:

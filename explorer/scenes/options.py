@@ -100,13 +100,6 @@ class Options:
         return cls(**{known[name]: value for name, value in given.items() if value is not None})
 
     @classmethod
-    def apart(cls, given: Mapping[str, Any]) -> tuple[Self, dict[str, Any]]:
-        """These options of what was given, and what else was given. Raises InputError."""
-        names = {each.name for each in options_of(cls)}
-        own, rest = ({k: v for k, v in given.items() if (k in names) is mine} for mine in (True, False))
-        return cls.of(own), rest
-
-    @classmethod
     def said(cls, words: argparse.Namespace) -> dict[str, Any]:
         """What a command line says of these options."""
         return {each.name: getattr(words, each.name) for each in options_of(cls) if hasattr(words, each.name)}
