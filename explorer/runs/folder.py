@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from filelock import FileLock, Timeout
 
@@ -28,6 +28,9 @@ from explorer.runs.settings import read_formats
 from explorer.scenes.options import plain
 from explorer.scenes.scene import Scene, file_of, scene_class, scene_of
 from explorer.version import installed_version
+
+if TYPE_CHECKING:
+    from explorer.runs.run import Run
 
 FORMAT = 3
 PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pandas", "pyarrow", "tqdm")
@@ -101,27 +104,23 @@ def read_record(folder: Path) -> dict[str, Any]:
 def stored_scene(record: dict[str, Any]) -> Scene:
     """The scene of a run.json; a user's is loaded from its file. Raises InputError."""
     where = record.get("from")
-    if where and _code_now(record) is None:
-        raise InputError(
-            f"scene {where}: there is no file of that name any more; put it back, or, with the options of "
-            f"run.json, go on with: nearflat run NEW.py:{where.rpartition(':')[2]} ... --resume --out DIR"
-        )
     if where:
+        file, _, name = where.rpartition(":")
+        if not Path(file).is_file():
+            raise InputError(
+                f"scene {where}: there is no file of that name any more; put it back, or, with the options of "
+                f"run.json, go on with: nearflat run NEW.py:{name} ... --resume --out DIR"
+            )
         scene_class(where)
     return scene_of(record["options"])
 
 
-def _code_now(record: dict[str, Any]) -> str | None:
-    """The digest that the file of a user's scene has by now; None where it is not there."""
+def changed(run: "Run") -> list[str]:
+    """What computed a run and is other now, in sentences; its scene is made only where no file has its code."""
+    record = run.identity
     where = record.get("from")
-    return _code_in(where.rpartition(":")[0]) if where else record["code"]
-
-
-def changed(record: dict[str, Any], scene: Callable[[], Scene]) -> list[str]:
-    """What computed a run and is other now, in sentences. scene: makes it, unless its file is other, or gone."""
-    now = {**record, "code": _code_now(record) or record["code"], "kernels": compiled.source_digest()}
-    if _code_now(record) == record["code"]:
-        now = identity(scene())
+    code = _code_in(where.rpartition(":")[0]) if where else _code_of(type(run.scene))
+    now = {"kernels": compiled.source_digest(), "code": code or record["code"]}  # a file that is gone says nothing
     return [_remedy(what, record) for what in MADE_BY if now[what] != record[what]]
 
 

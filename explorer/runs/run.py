@@ -304,10 +304,7 @@ class Run:
         >>> ex.run("race-angles", samples=1000).changed()
         []
         """
-        return [each for part in self.parts for each in part._changed()]
-
-    def _changed(self) -> list[str]:
-        return folders.changed(self.identity, lambda: self.scene)
+        return [each for part in self.parts for each in folders.changed(part)]
 
     def _faults(self) -> list[str]:
         known, chunks, due = self.identity, self.chunks, self._due

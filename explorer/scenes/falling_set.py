@@ -25,7 +25,7 @@ from explorer.phase.disk import require_axial_inertia
 from explorer.phase.falling_set import falls_of
 from explorer.phase.states import COORDINATES, Array, phi_to_states
 from explorer.scenes.given_states import Block
-from explorer.scenes.options import Reader, option, several, whole_from, word_of
+from explorer.scenes.options import Reader, option, whole_from, word_of
 from explorer.scenes.scene import Counts, Picture, Table
 from explorer.scenes.starts import FromStates
 
@@ -71,7 +71,7 @@ class FallingSet(FromStates):
         follows=lambda self, given: given or ("near" if self.samples > MOST_THETA_MIN else "all"),
     )
     slice: tuple[Slice, ...] = option(
-        Reader(several(read_ranges), "SLICE", "str | Slice | Sequence[str | Slice]"),
+        Reader(read_ranges, "SLICE", "str | Slice"),
         "a plane of the phase space to show in a picture; two coordinates are fixed and two are ranges, as in "
         '"phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"',
         words="two slices",

@@ -211,7 +211,7 @@ class NearF(RaceAngles):
         for name in (*_ELSEWHERE, *usual):
             if getattr(self, name) != usual.get(name):
                 raise InputError(f"{name}: is for start anywhere; leave it out, or give start anywhere")
-        return BoxNearF.of(self.disk, given or {})
+        return BoxNearF.near(self.disk, given or {})
 
     def eta_hat_of(self, given: Range | None) -> Range:
         """The range of distances from F."""

@@ -87,9 +87,6 @@ class Scene(Options, ABC):
     def __post_init__(self) -> None:
         """Raise InputError where options do not go together; scenes add what they must refuse."""
         super().__post_init__()
-        for name in ("seed", "samples"):
-            if not isinstance(getattr(self, name, 0), int):
-                raise InputError(f"{name}: is a whole number in every scene; declare it anew by whole_from(...)")
         _ = self.plan  # a method that cannot give the observables is refused before anything is written
         if not self.observables and self.method != "auto":
             raise InputError(f"method {self.method}: {self.name} names no observables, so it has no methods")
