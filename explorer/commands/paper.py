@@ -1,7 +1,6 @@
 """`nearflat paper`: the paper as checks, figures and misprints."""
 
 import argparse
-from collections.abc import Sequence
 from pathlib import Path
 
 from explorer.commands import Answer
@@ -26,9 +25,7 @@ class Paper(Options):
     jobs: int = option(whole_from(1, MOST_JOBS), "threads", default=2)
 
 
-def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """Add the options of `nearflat paper`."""
-    Paper.add_to(command)
+add_arguments = Paper.add_to
 
 
 def call(options: argparse.Namespace) -> Answer:

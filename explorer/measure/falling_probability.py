@@ -102,11 +102,6 @@ class FallingProbability:
         return constant_of(self.disk, self.source)
 
     @cached_property
-    def mass(self) -> float:
-        """Integral of the density, natural units: all that draws need of C."""
-        return Integrator(self.disk, self.source.seen_from(self.disk, 1)).mass().value
-
-    @cached_property
     def _tubes_drawn(self) -> dict[tuple[int, float], Tube]:
         """Tubes by face and tilt: their first draws serve all others."""
         return {}
@@ -132,8 +127,9 @@ class FallingProbability:
     @cached_property
     def _over_factors(self) -> float:
         """The integral of the factors of the density's coordinates over that of the density."""
-        factors = self.source.seen_from(self.disk, 1)
-        return math.prod(factors.factor_mass(name) for name in factors.box.free) / self.mass
+        density = self.source.seen_from(self.disk, 1)
+        of_factors = math.prod(density.factor_mass(name) for name in density.box.free)
+        return of_factors / Integrator(self.disk, density).mass().value
 
     # What is counted
 

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from filelock import FileLock, Timeout
 
@@ -28,9 +28,6 @@ from explorer.runs.settings import read_formats
 from explorer.scenes.options import plain
 from explorer.scenes.scene import Scene, file_of, scene_class, scene_of
 from explorer.version import installed_version
-
-if TYPE_CHECKING:
-    from explorer.runs.run import Run
 
 FORMAT = 3
 PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pandas", "pyarrow", "tqdm")
@@ -115,11 +112,10 @@ def stored_scene(record: dict[str, Any]) -> Scene:
     return scene_of(record["options"])
 
 
-def changed(run: "Run") -> list[str]:
-    """What computed a run and is other now, in sentences; its scene is made only where no file has its code."""
-    record = run.identity
+def changed(record: dict[str, Any], scene: Callable[[], Scene]) -> list[str]:
+    """What computed a run and is other now, in sentences. scene: makes it, where no file has its code."""
     where = record.get("from")
-    code = _code_in(where.rpartition(":")[0]) if where else _code_of(type(run.scene))
+    code = _code_in(where.rpartition(":")[0]) if where else _code_of(type(scene()))
     now = {"kernels": compiled.source_digest(), "code": code or record["code"]}  # a file that is gone says nothing
     return [_remedy(what, record) for what in MADE_BY if now[what] != record[what]]
 

@@ -293,20 +293,8 @@ class Run:
         >>> races.verify()
         []
         """
-        return [fault for part in self.parts for fault in part._faults()]
-
-    def changed(self) -> list[str]:
-        """What has changed since the run was computed, one sentence each: such a run can be read, but not resumed.
-
-        Examples
-        --------
-        >>> import explorer as ex
-        >>> ex.run("race-angles", samples=1000).changed()
-        []
-        """
-        return [each for part in self.parts for each in folders.changed(part)]
-
-    def _faults(self) -> list[str]:
+        if self._parts:
+            return [fault for part in self._parts for fault in part.verify()]
         known, chunks, due = self.identity, self.chunks, self._due
         faults = [f"run.json: {each}" for each in self.changed()]
         missing = sorted({*range(due)} - {chunk.number for chunk in chunks})
@@ -323,6 +311,19 @@ class Run:
                 ):
                     faults.append("summary.json: does not belong to these chunks; run `nearflat summary`")
         return faults
+
+    def changed(self) -> list[str]:
+        """What has changed since the run was computed, one sentence each: such a run can be read, but not resumed.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> ex.run("race-angles", samples=1000).changed()
+        []
+        """
+        if self._parts:
+            return [each for part in self._parts for each in part.changed()]
+        return folders.changed(self.identity, lambda: self.scene)
 
     def resume(self, **settings: Any) -> "Run":
         """Compute what is missing or damaged, and draw the pictures that are missing; returns the run itself.
@@ -440,14 +441,14 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
         if summary.exists() and summary.read_bytes() != store.as_json(run.summary):
             shutil.rmtree(drawn, ignore_errors=True)  # pictures of fewer samples
         store.write_json(summary, run.summary)
-        if how["formats"] and not _draw_missing(run, how["formats"], stop):
-            raise Interrupted(f"all samples are stored, pictures are missing; {settings.onward}")
+        if how["formats"]:
+            _draw_missing(run, how["formats"], stop, settings.onward)
     folders.write_record(folder, scene, {**how, "finished": folders.now()})
     return run
 
 
-def _draw_missing(run: Run, formats: Sequence[str], stop: threading.Event) -> bool:
-    """Draw the pictures whose files are not there; whether all are, since none is begun once stopped."""
+def _draw_missing(run: Run, formats: Sequence[str], stop: threading.Event, onward: str) -> None:
+    """Draw the pictures whose files are not there. Raises Interrupted where one is left once stopped."""
     from explorer.pictures.register import save
 
     folder = Path(run.folder or ".") / "figures"
@@ -457,7 +458,7 @@ def _draw_missing(run: Run, formats: Sequence[str], stop: threading.Event) -> bo
         if not missing:
             continue
         if stop.is_set():
-            return False
+            raise Interrupted(f"all samples are stored, pictures are missing; {onward}")
         figure = run.figure(name)
         for path in missing:
             save(figure, begun := path.with_name(f".{path.name}"))
@@ -465,7 +466,6 @@ def _draw_missing(run: Run, formats: Sequence[str], stop: threading.Event) -> bo
             # Parts stay where the first file has them: to place them is half the work. With a layout engine of any
             # kind, also "none", matplotlib would draw twice, once to let it place parts.
             figure.set_layout_engine(None)
-    return True
 
 
 def _computed(

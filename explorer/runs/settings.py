@@ -35,8 +35,31 @@ def read_rng(name: str, value: Any) -> int:
     return whole(name, value, high=2**128 - 1)
 
 
-class Settings(Options):
+class Making(Options):
     """How a run is made, which changes no number."""
+
+    jobs: int = option(whole_from(1, MOST_JOBS), "number of workers; results do not depend on it", default=2)
+    backend: str = option(word_of("threads", "processes", "dask"), "kind of workers", default="threads")
+    scheduler: str | None = option(
+        TEXT._replace(metavar="ADDRESS"), "address of a dask scheduler", words="one that the run starts"
+    )
+    figures: bool = option(TRUTH, "draw pictures into the folder", default=True)
+    format: tuple[str, ...] | None = option(
+        Reader(read_formats, "KINDS", "str | Sequence[str]"),
+        "formats of the pictures: png, svg, pdf",
+        words="png,svg",
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.scheduler is not None and self.backend != "dask":
+            raise InputError(f"scheduler {self.scheduler}: is for backend dask; give both")
+        if self.backend == "dask" and find_spec("distributed") is None:
+            raise InputError("backend dask: needs the extra 'cluster': pip install 'nearflat[cluster]'")
+
+
+class Settings(Making):
+    """Where a run goes, and what is said of it."""
 
     command: str | None = None  # the command line that asked for it, if one did
     out: Path | None = option(
@@ -49,17 +72,6 @@ class Settings(Options):
         'what becomes of a run that is there: "resume" computes what is missing, "replace" all; "error" refuses',
         default="resume",
     )
-    jobs: int = option(whole_from(1, MOST_JOBS), "number of workers; results do not depend on it", default=2)
-    backend: str = option(word_of("threads", "processes", "dask"), "kind of workers", default="threads")
-    scheduler: str | None = option(
-        TEXT._replace(metavar="ADDRESS"), "address of a dask scheduler", words="one that the run starts"
-    )
-    figures: bool = option(TRUTH, "draw pictures into the folder", default=True)
-    format: tuple[str, ...] | None = option(
-        Reader(read_formats, "KINDS", "str | Sequence[str]"),
-        "formats of the pictures: png, svg, pdf",
-        words="png,svg",
-    )
     progress: bool = option(
         TRUTH._replace(metavar=None),
         "False prints nothing; else a bar where a run takes more than two seconds",
@@ -69,13 +81,6 @@ class Settings(Options):
         Reader(read_rng, None, "int | np.random.SeedSequence | np.random.Generator"),
         "another name of `seed`; it may also be a SeedSequence or a Generator of numpy",
     )
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.scheduler is not None and self.backend != "dask":
-            raise InputError(f"scheduler {self.scheduler}: is for backend dask; give both")
-        if self.backend == "dask" and find_spec("distributed") is None:
-            raise InputError("backend dask: needs the extra 'cluster': pip install 'nearflat[cluster]'")
 
     @property
     def onward(self) -> str:

@@ -8,7 +8,7 @@ name of the option and the value, and raises InputError with both.
 
 import argparse
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import Field, dataclass, field, fields, is_dataclass
 from functools import partial
 from inspect import get_annotations
@@ -118,10 +118,9 @@ class Options:
         return record
 
     @classmethod
-    def add_to(cls, parser: argparse.ArgumentParser, only: Collection[str] | None = None) -> None:
-        """Add the flags, or only some, to a parser, in a group for each class that declares some."""
-        flags = {each.name: each for each in options_of(cls) if each.metadata["reader"].metavar is not None}
-        left = {name: each for name, each in flags.items() if only is None or name in only}
+    def add_to(cls, parser: argparse.ArgumentParser, words: Sequence[str] = ()) -> None:
+        """Add the flags to a parser, in a group for each class that declares some. words: are not looked at."""
+        left = {each.name: each for each in options_of(cls) if each.metadata["reader"].metavar is not None}
         for kind in cls.__mro__:
             own = [left.pop(name) for name in get_annotations(kind) if name in left]
             group = parser.add_argument_group(first_line(kind).rstrip(".")) if own else parser

@@ -95,7 +95,7 @@ class FromStates(FromDensity):
     samples: int = option(
         *SAMPLES,
         words="100000, or all states that are given",
-        follows=lambda self, given: self._samples_of(given),
+        follows=lambda self, given: given or (self.states.rows if self.states else 100_000),
     )
     states: GivenStates | None = option(
         Reader(GivenStates.of, "FILE", "Path | str | States | Any"),
@@ -107,6 +107,8 @@ class FromStates(FromDensity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.states is not None and self.samples > self.states.rows:
+            raise InputError(f"samples {self.samples}: states holds {self.states.rows}; leave samples out")
         made = None if self.states is None else self.states.states
         if made is not None and made.disk != self.disk:
             raise InputError(
@@ -122,13 +124,6 @@ class FromStates(FromDensity):
                     f"{name}: cannot be combined with states, which says what the states are; leave one out"
                 )
         return None
-
-    def _samples_of(self, given: int | None) -> int:
-        if self.states is None:
-            return given or 100_000
-        if given is not None and given > self.states.rows:
-            raise InputError(f"samples {given}: states holds {self.states.rows}; leave samples out")
-        return given or self.states.rows
 
     def blocks(self, index: int) -> Iterator[Block]:
         """The states of a chunk, block by block."""
