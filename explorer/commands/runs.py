@@ -44,11 +44,10 @@ def _status(options: argparse.Namespace) -> Answer:
 
 def _verify(options: argparse.Namespace) -> Answer:
     run = open(options.folder)
-    faults, lines = run.verify(), ["intact"]
-    if faults:  # what was changed says itself what can be done
-        lines = (
-            faults if run.changed() else [*faults, f"mend what is wrong with: nearflat resume {options.folder}"]
-        )
+    faults = run.verify()
+    lines = faults or ["intact"]
+    if faults and not run.changed():  # what was changed says itself what can be done
+        lines = [*faults, f"mend what is wrong with: nearflat resume {options.folder}"]
     return Answer({"intact": not faults, "faults": faults}, "\n".join(lines), int(bool(faults)))
 
 

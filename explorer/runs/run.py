@@ -135,12 +135,7 @@ class Run:
         fault = (
             f"{missing} of {len(due)} chunks are missing" if missing else "there are chunks that are not its own"
         )
-        raise RunError(f"{self.place}: {fault}; continue with: nearflat resume {self.place}")
-
-    @property
-    def place(self) -> str:
-        """Where it is, for messages."""
-        return str(self.folder or "the run in memory")
+        raise RunError(f"{self.folder}: {fault}; continue with: nearflat resume {self.folder}")
 
     @cached_property
     def _total(self) -> tuple[Any, dict[str, Any]]:
@@ -151,7 +146,7 @@ class Run:
             for said in map(store.Chunk.note, part.complete()):
                 if said["identity"] != due:
                     fault = "its chunks are not those that run.json describes"
-                    raise RunError(f"{part.place}: {fault}; see: nearflat verify {part.place}")
+                    raise RunError(f"{part.folder}: {fault}; see: nearflat verify {part.folder}")
                 with self.scene.running("tally"):
                     total += self.scene.tally.of_state(said["tally"])
                 digests.append(said["digest"])

@@ -21,7 +21,6 @@ from explorer.measure.tallies import ByName, Least, LogHistogram, count_status
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import falling_set
 from explorer.phase.constants import constants_of
-from explorer.phase.disk import require_axial_inertia
 from explorer.phase.falling_set import falls_of
 from explorer.phase.states import COORDINATES, Array, phi_to_states
 from explorer.scenes.given_states import Block
@@ -103,7 +102,6 @@ class FallingSet(FromStates):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require_axial_inertia(self.disk)
         if self.theta_min == "none" and self.method != "auto":
             raise InputError(
                 f"method {self.method}: is for theta_min, and theta_min is none; leave one of the two out"

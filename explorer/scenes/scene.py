@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, RunError, one_of, shorten, shown
+from explorer.errors import InputError, RunError, one_of, shorten, shown, suggest
 from explorer.measure.sampling import Stream, chunk_stream
 from explorer.measure.tallies import ByName, Tally, count_status
 from explorer.motion.plan import METHODS, Plan, plan
@@ -320,16 +320,14 @@ def scene_class(name: Any) -> type[Scene]:
         return register(name)
     if isinstance(name, str) and ".py:" in name:
         return register(_in_file(name))
-    try:
-        known = one_of("scene", name, [*NAMES, *_own])
-    except InputError as error:
-        raise InputError(
-            f"{error}. A scene of your own: nearflat run my.py:Scene, or ex.register(Scene)"
-        ) from None
-    if known in _own:
-        return _own[known]
-    home = import_module(f"explorer.scenes.{known.replace('-', '_')}")
-    found: type[Scene] = getattr(home, known.title().replace("-", ""))
+    known = [*NAMES, *_own]
+    if name not in known:
+        yours = "A scene of your own: nearflat run my.py:Scene, or ex.register(Scene)"
+        raise InputError(f"scene {shown(name)} is not known; {suggest(name, known)}. {yours}")
+    if name in _own:
+        return _own[name]
+    home = import_module(f"explorer.scenes.{name.replace('-', '_')}")
+    found: type[Scene] = getattr(home, name.title().replace("-", ""))
     return found
 
 

@@ -10,7 +10,7 @@ from explorer import compiled
 from explorer.errors import InputError, RunError
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, ChartBox, Range, Stream, box_of, chunk_stream, in_radians, signs
-from explorer.phase.disk import SYNTAX, Disk
+from explorer.phase.disk import SYNTAX, Disk, require_axial_inertia
 from explorer.phase.states import Array, States
 from explorer.scenes.given_states import Block, GivenStates, coordinates_of
 from explorer.scenes.options import DENSITY, DISK, GAUSSIANS, OPEN_RANGE, RANGES, TRUTH, Reader, option
@@ -53,6 +53,7 @@ class FromDensity(SampledScene):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        require_axial_inertia(self.disk)
         if self.box is not None:
             object.__setattr__(self, "degrees", False)  # from here on all are in rad
             # An energy or a density that the box does not reach is refused before anything is written.
