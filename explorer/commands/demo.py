@@ -9,7 +9,7 @@ from explorer.commands import Answer
 from explorer.errors import MOST_JOBS, InputError, note
 from explorer.motion.plan import method_in_words
 from explorer.runs.run import execute
-from explorer.runs.settings import asked
+from explorer.runs.settings import Settings
 from explorer.runs.side_by_side import exact_of, in_words, side_by_side
 from explorer.runs.store import write_json
 from explorer.scenes.options import FOLDER, Options, option, whole_from
@@ -61,11 +61,11 @@ def call(options: argparse.Namespace) -> Answer:
     compiled.warmup(kernels, lambda text: note(text, quiet))
     summaries, compared = dict[str, Any](), dict[str, dict[str, Any]]()
     parts = list[tuple[str, list[str], list[Path]]]()
-    how = {"jobs": given.jobs, "format": "png", "progress": not quiet}
+    how = {"jobs": given.jobs, "format": "png", "exist": "replace", "progress": not quiet}
     for scene, (name, _, title) in zip(scenes, _STEPS, strict=True):
         title = title.format(how=method_in_words(scene.plan.method))
         note(f"\n{title}", quiet)
-        run = execute(*asked(scene, {**how, "out": out / name}, exist="replace"))
+        run = execute(scene, Settings.of({**how, "out": out / name}))
         summaries[name], lines = run.summary, run.headline
         if isinstance(scene, SampledScene):
             compared[name] = side_by_side(scene, _BESIDE[name], jobs=given.jobs)

@@ -73,4 +73,4 @@ def call(options: argparse.Namespace) -> Answer:
     from explorer.runs.run import execute
 
     name, given = given_by(options)
-    return shown(execute(*asked(name, given, options.command_line, exist="error")))
+    return shown(execute(*asked(name, {"exist": "error", **given}, options.command_line)))

@@ -134,8 +134,14 @@ def _lines(part: Measured) -> list[str]:
     ]
 
 
-def write(found: Trade, out: Path, command: str) -> None:
-    """README.md and trade.png in the folder `out`."""
+def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
+    """Add the options of `nearflat trade`."""
+    Trading.add_to(command)
+    command.add_argument("--out", metavar="DIR", type=Path, default=_OUT, help=f"folder (default {_OUT})")
+
+
+def call(options: argparse.Namespace) -> Answer:
+    """Measure, and write README.md and trade.png."""
     from matplotlib.figure import Figure
 
     from explorer.commands.pages import write_page
@@ -143,6 +149,8 @@ def write(found: Trade, out: Path, command: str) -> None:
     from explorer.pictures.style import SIZE
     from explorer.pictures.work_precision import work_precision
 
+    out = made_folder("out", options.out)
+    found = measured(Trading.of({**Trading.said(options), "progress": not options.quiet}))
     count = len(found.parts)
     figure = Figure(figsize=(SIZE[0], count * SIZE[1]), layout="constrained")
     for part, ax in zip(found.parts, figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0], strict=True):
@@ -151,20 +159,7 @@ def write(found: Trade, out: Path, command: str) -> None:
     save(figure, picture := out / "trade.png")
     parts = [("Error and time of all methods", [_ABOUT], [picture])]
     parts += [(part.kind.capitalize(), _lines(part), []) for part in found.parts]
-    made_by = f"`{command}` on {platform.machine()}, {platform.system()}."
+    made_by = f"`{options.command_line}` on {platform.machine()}, {platform.system()}."
     write_page(out, f"Speed against accuracy, {found.scene.label} disk", made_by, parts)
-
-
-def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """Add the options of `nearflat trade`."""
-    Trading.add_to(command)
-    command.add_argument("--out", metavar="DIR", type=Path, default=_OUT, help=f"folder (default {_OUT})")
-
-
-def call(options: argparse.Namespace) -> Answer:
-    """Measure, and write the page."""
-    made_folder("out", options.out)
-    found = measured(Trading.of({**Trading.said(options), "progress": not options.quiet}))
-    write(found, options.out, options.command_line)
     record = {"scene": found.scene.options, "parts": [asdict(part) for part in found.parts]}
-    return Answer(record, f"{found}\n\nTables and picture are in {options.out}.")
+    return Answer(record, f"{found}\n\nTables and picture are in {out}.")

@@ -299,11 +299,9 @@ class Run:
         looked_at = store.examined(chunks, due, folders.digest_of_identity(known), rows=True)
         faults += [f"{chunk.name}: {fault}" for chunk, fault in looked_at if fault]
         summary = self.folder and self.folder / "summary.json"
-        if not faults and summary and summary.exists():
+        if not faults and summary and summary.is_file():
             with contextlib.suppress(InputError):  # without the file of a user's scene nothing is added up
-                if not summary.is_file() or summary.read_bytes() != store.as_json(
-                    Run(self.scene, folder=self.folder).summary
-                ):
+                if summary.read_bytes() != store.as_json(Run(self.scene, folder=self.folder).summary):
                     faults.append("summary.json: does not belong to these chunks; run `nearflat summary`")
         return faults
 

@@ -92,28 +92,26 @@ class Settings(Making):
         return f"continue with: nearflat resume {self.out}{by}{to}"
 
 
-def asked(
-    name: Any, given: Mapping[str, Any], command: str | None = None, exist: str = "resume"
-) -> tuple[Scene, Settings]:
+def asked(name: Any, given: Mapping[str, Any], command: str | None = None) -> tuple[Scene, Settings]:
     """The run that scene and keywords ask for, of Python, of the command line or of a TOML file.
 
-    name: as `scene_class` takes it, or a scene. command: the command line, where there is one; then the run always
-    has a folder. exist: what becomes of a run in the folder, unless it is said. Raises InputError.
+    name: as `scene_class` takes it. command: the command line, where there is one; then the run always has a
+    folder. Raises InputError.
     """
-    said = {"exist": exist, **{name: value for name, value in given.items() if value is not None}}
+    said = {name: value for name, value in given.items() if value is not None}
     known = {each.name for each in options_of(Settings)}
     settings = Settings.of({name: said.pop(name) for name in [*said] if name in known})
     if settings.rng is not None:
         if "seed" in said:
             raise InputError("rng and seed set the same; leave one out")
         said["seed"] = settings.rng
-    kind = type(name) if isinstance(name, Scene) else scene_class(name)
+    kind = scene_class(name)
     taken = {*_WORDS, *known} & {each.name for each in options_of(kind)}
     if taken:
         raise InputError(
             f"scene {kind.__name__}: {min(taken)} is the name of a setting of runs; give your option another name"
         )
-    scene = name if isinstance(name, Scene) else kind.of(said)
+    scene = kind.of(said)
     if settings.out is None and (command is not None or samples_of(scene) > MOST_IN_MEMORY):
         settings = replace(settings, out=Path(f"results/{scene.name}-{scene.label}-{scene.seed}"))
     return scene, replace(settings, command=command)

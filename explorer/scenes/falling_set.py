@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError
 from explorer.measure import sifting, statistics
 from explorer.measure.sampling import chunk_stream, read_ranges
 from explorer.measure.slices import ConstantsPlane, Slice, slice_map
@@ -99,13 +98,6 @@ class FallingSet(FromStates):
         "tilt of {theta_min_of}, each at its flattest moment: median {theta_min_quantiles[0.5]:.3g} rad, "
         "one in a thousand below {theta_min_quantiles[0.001]:.3g} rad",
     )
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.theta_min == "none" and self.method != "auto":
-            raise InputError(
-                f"method {self.method}: is for theta_min, and theta_min is none; leave one of the two out"
-            )
 
     @property
     def tube(self) -> float:

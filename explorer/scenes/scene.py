@@ -43,10 +43,8 @@ def code_of_user(place: str | None) -> Iterator[None]:
     """Say in a sentence what fails in a user's code, and at which place; None: in our own, which says itself."""
     try:
         yield
-    except (InputError, RunError, MemoryError):
-        raise
     except Exception as error:
-        if place is None:
+        if place is None or isinstance(error, InputError | RunError | MemoryError):
             raise
         what = " ".join(f"{type(error).__name__}: {error}".split())
         raise RunError(f"{place}: {shorten(what, 300)}") from error

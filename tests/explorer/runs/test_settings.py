@@ -14,7 +14,7 @@ def test_keywords_are_those_of_the_scene_and_those_of_the_run():
     scene, settings = asked(Coins, {"samples": 10, "bias": "0.25", "jobs": "3", "format": "PDF,png", "out": None})
     assert (scene.samples, scene.bias) == (10, 0.25)
     assert (settings.jobs, settings.format, settings.out) == (3, ("pdf", "png"), None)
-    assert (settings.exist, asked(Coins, {}, exist="error")[1].exist) == ("resume", "error")
+    assert (settings.exist, asked(Coins, {"exist": "error"})[1].exist) == ("resume", "error")
 
 
 def test_large_runs_and_those_of_the_command_line_have_a_folder_of_their_own(capsys):
