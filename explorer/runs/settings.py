@@ -59,7 +59,7 @@ class Making(Options):
 
 
 class Settings(Making):
-    """Where a run goes, and what is said of it."""
+    """Where a run goes."""
 
     command: str | None = None  # the command line that asked for it, if one did
     out: Path | None = option(
