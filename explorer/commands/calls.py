@@ -48,7 +48,7 @@ def run(scene: str | type[Scene], **options: Any) -> Run:
     >>> races.summary["wrong_way"], round(races.summary["median_plus"], 3)
     (0, 5.441)
     """
-    return execute(asked(scene, options))
+    return execute(*asked(scene, options))
 
 
 def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
@@ -75,7 +75,7 @@ def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
     >>> ex.plan("falling-set", samples=1000).model
     'quadrature'
     """
-    return planned(asked(scene, options))
+    return planned(*asked(scene, options))
 
 
 def trade(**options: Any) -> Trade:

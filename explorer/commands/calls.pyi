@@ -39,13 +39,13 @@ class Keywords(TypedDict, total=False):
     sigma4_bar: float | str
     start: Literal['near', 'anywhere']
     bounces: int | float | str
-    out: Path | str
-    exist: Literal['resume', 'replace', 'error']
     jobs: int | float | str
     backend: Literal['threads', 'processes', 'dask']
     scheduler: str
     figures: bool
     format: str | Sequence[str]
+    out: Path | str
+    exist: Literal['resume', 'replace', 'error']
     progress: bool
     rng: int | np.random.SeedSequence | np.random.Generator
 
@@ -61,4 +61,4 @@ def plan(scene: Known, **options: Unpack[Keywords]) -> RunPlan: ...
 @overload
 def plan(scene: str | type[Scene], **options: Any) -> RunPlan: ...
 
-def trade(*, disk: Disk | str = ..., samples: int | float | str = ..., seed: int | float | str = ..., box: str | Box | Mapping[str, tuple[float, float]] = ..., eta_hat: str | float | tuple[float, float] = ..., motions: int | float | str = ..., t_end: float | str = ..., progress: bool | None = ...) -> Trade: ...
+def trade(*, disk: Disk | str = ..., samples: int | float | str = ..., seed: int | float | str = ..., box: str | Box | Mapping[str, tuple[float, float]] = ..., eta_hat: str | float | tuple[float, float] = ..., motions: int | float | str = ..., t_end: float | str = ..., progress: bool = ...) -> Trade: ...

@@ -1,7 +1,6 @@
 """`nearflat demo`: the main job, small: sample a million states, map F, compare the limits, histogram the race."""
 
 import argparse
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +8,8 @@ from explorer import compiled
 from explorer.commands import Answer
 from explorer.errors import MOST_JOBS, InputError, note
 from explorer.motion.plan import method_in_words
-from explorer.runs.run import Run, execute
-from explorer.runs.settings import asked
+from explorer.runs.run import execute
+from explorer.runs.settings import Settings
 from explorer.runs.side_by_side import exact_of, in_words, side_by_side
 from explorer.runs.store import write_json
 from explorer.scenes.options import FOLDER, Options, option, whole_from
@@ -42,13 +41,17 @@ class Demo(Options):
     seed: int = option(whole_from(0, 2**128 - 1, "S"), "seed of the random streams", default=0)
 
 
-def demo(given: Demo, command: str, quiet: bool) -> list[Run]:
+add_arguments = Demo.add_to
+
+
+def call(options: argparse.Namespace) -> Answer:
     """Run the three scenes into folders below `out`, which an earlier demo may already fill.
 
-    command: what the page says that it was made by. Raises InputError where it holds something else.
+    Raises InputError where it holds something else.
     """
     from explorer.commands.pages import write_page
 
+    given, quiet = Demo.of(Demo.said(options)), options.quiet
     out, own = given.out, {*(name for name, _, _ in _STEPS), COMPARED, PAGE}
     if out.exists() and not (out.is_dir() and {path.name for path in out.iterdir()} <= own):
         raise InputError(f"out {out}: is not empty and holds no earlier demo; give another folder")
@@ -56,31 +59,20 @@ def demo(given: Demo, command: str, quiet: bool) -> list[Run]:
     exact = [exact_of(scene) for scene in scenes if isinstance(scene, SampledScene)]
     kernels = [name for scene in (*scenes, *exact) for name in scene.kernels]  # so that all is compiled at once
     compiled.warmup(kernels, lambda text: note(text, quiet))
-    runs, compared, parts = list[Run](), dict[str, dict[str, Any]](), list[tuple[str, list[str], list[Path]]]()
-    how = {"jobs": given.jobs, "format": "png", "progress": False if quiet else None}
+    summaries, compared = dict[str, Any](), dict[str, dict[str, Any]]()
+    parts = list[tuple[str, list[str], list[Path]]]()
+    how = {"jobs": given.jobs, "format": "png", "exist": "replace", "progress": not quiet}
     for scene, (name, _, title) in zip(scenes, _STEPS, strict=True):
         title = title.format(how=method_in_words(scene.plan.method))
         note(f"\n{title}", quiet)
-        runs.append(execute(asked(scene, {**how, "out": out / name}, exist="replace")))
-        lines = runs[-1].headline
+        run = execute(scene, Settings.of({**how, "out": out / name}))
+        summaries[name], lines = run.summary, run.headline
         if isinstance(scene, SampledScene):
             compared[name] = side_by_side(scene, _BESIDE[name], jobs=given.jobs)
             lines += in_words(compared[name])
         note("\n".join(f"  {line}" for line in lines), quiet)
         parts.append((title, [f"- {line}" for line in lines], sorted((out / name / "figures").glob("*.png"))))
     write_json(out / COMPARED, compared)
-    made_by = f"`{command}`. The numbers are in each `summary.json` and in `{COMPARED}`."
+    made_by = f"`{options.command_line}`. The numbers are in each `summary.json` and in `{COMPARED}`."
     write_page(out, "What `nearflat demo` found", made_by, parts)
-    return runs
-
-
-def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """Add the options of `nearflat demo`."""
-    Demo.add_to(command)
-
-
-def call(options: argparse.Namespace) -> Answer:
-    """Run it, and say where it is."""
-    given = Demo.of(Demo.said(options))
-    record = {run.scene.name: run.summary for run in demo(given, options.command_line, options.quiet)}
-    return Answer(record, f"Pictures and numbers are in {given.out}; start with {given.out / PAGE}.")
+    return Answer(summaries, f"Pictures and numbers are in {out}; start with {out / PAGE}.")

@@ -25,7 +25,7 @@ def gallery(folder: Path | str) -> str:
 
     Raises InputError where `folder` is none.
     """
-    from explorer.commands.pages import caption_in, full_size, image_of, text_of
+    from explorer.commands.pages import caption_in, image_of, text_of
     from explorer.pictures.register import Question
 
     root = path_of("DIR", folder)
@@ -38,9 +38,8 @@ def gallery(folder: Path | str) -> str:
             if picture.suffix == ".png" and picture.with_suffix(".webp").exists():
                 continue  # the same that moves is shown
             caption = caption_in(picture)
-            full = full_size(picture).relative_to(root).as_posix()
-            cell = [f'<a href="{full}">{image_of(picture, root, caption, 420)}</a>']
-            cell += [text_of(picture, caption), f"<code>{html.escape(command_of(part), quote=False)}</code>"]
+            made_by = f"<code>{html.escape(command_of(part), quote=False)}</code>"
+            cell = [image_of(picture, root, caption, 420), text_of(picture, caption), made_by]
             shown[str(caption.question) if caption else _OTHER].append((picture, "<br>\n".join(cell)))
     lines = [
         "# Results",

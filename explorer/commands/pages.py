@@ -33,9 +33,7 @@ def caption_in(path: Path) -> Caption | None:
 def picture_lines(picture: Path, root: Path) -> list[str]:
     """A picture with its caption for the page of `root`."""
     caption = caption_in(picture)
-    image, full = image_of(picture, root, caption, 600), full_size(picture)
-    shown = image if full == picture else f'<a href="{full.relative_to(root).as_posix()}">{image}</a>'
-    return [shown, "", caption.text if caption else text_of(picture, None)]
+    return [image_of(picture, root, caption, 600), "", caption.text if caption else text_of(picture, None)]
 
 
 def write_page(folder: Path, title: str, made_by: str, parts: Iterable[tuple[str, list[str], list[Path]]]) -> None:
@@ -48,8 +46,9 @@ def write_page(folder: Path, title: str, made_by: str, parts: Iterable[tuple[str
 
 
 def image_of(picture: Path, root: Path, caption: Caption | None, width: int) -> str:
-    text = text_of(picture, caption)
-    return f'<img src="{picture.relative_to(root).as_posix()}" width="{width}" alt="{text}">'
+    """The HTML of a picture for the page of `root`, which leads to its full size."""
+    source, full = (each.relative_to(root).as_posix() for each in (picture, full_size(picture)))
+    return f'<a href="{full}"><img src="{source}" width="{width}" alt="{text_of(picture, caption)}"></a>'
 
 
 def text_of(picture: Path, caption: Caption | None) -> str:

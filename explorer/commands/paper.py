@@ -1,7 +1,6 @@
 """`nearflat paper`: the paper as checks, figures and misprints."""
 
 import argparse
-from collections.abc import Sequence
 from pathlib import Path
 
 from explorer.commands import Answer
@@ -19,16 +18,14 @@ class Paper(Options):
     )
     figure: int | None = option(whole_from(1, 9), "one figure, 1 to 9; no statement is checked")
     disk: Disk | None = option(DISK, "with figure: another body, as for run")
-    eta_hat: float | None = option(
-        NUMBER._replace(metavar="SIZE"), "with figure: distance from F, in sqrt(g/r)", words=f"{ETA_HAT:g}"
+    eta_hat: float = option(
+        NUMBER._replace(metavar="SIZE"), "with figure: distance from F, in sqrt(g/r)", default=ETA_HAT
     )
     out: Path = option(FOLDER, "folder", default=Path("results/paper"))
     jobs: int = option(whole_from(1, MOST_JOBS), "threads", default=2)
 
 
-def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """Add the options of `nearflat paper`."""
-    Paper.add_to(command)
+add_arguments = Paper.add_to
 
 
 def call(options: argparse.Namespace) -> Answer:
@@ -57,9 +54,8 @@ def _figure(chosen: Paper, number: int, quiet: bool) -> Answer:
 
     if chosen.only is not None:
         raise InputError("only and figure: give one of them")
-    eta_hat = ETA_HAT if chosen.eta_hat is None else chosen.eta_hat
-    if eta_hat < 0.0:
-        note(f"eta_hat {eta_hat:g}: the sign is left out; each figure shows its own sides of F", quiet)
+    if chosen.eta_hat < 0.0:
+        note(f"eta_hat {chosen.eta_hat:g}: the sign is left out; each figure shows its own sides of F", quiet)
     note(f"drawing figure {number}; the first time, kernels are compiled", quiet)
-    paths = one_figure(chosen.out, number, chosen.disk, positive("eta_hat", abs(eta_hat)))
+    paths = one_figure(chosen.out, number, chosen.disk, positive("eta_hat", abs(chosen.eta_hat)))
     return Answer({"files": [str(path) for path in paths]}, "\n".join(f"wrote {path}" for path in paths))

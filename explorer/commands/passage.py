@@ -1,7 +1,6 @@
 """`nearflat passage`: one passage near flat, as text or as JSON."""
 
 import argparse
-from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -100,9 +99,7 @@ def passage_text(report: dict[str, Any], disk: Disk) -> str:
     return "\n".join(lines)
 
 
-def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """Add the options of `nearflat passage`."""
-    Start.add_to(command)
+add_arguments = Start.add_to
 
 
 def call(options: argparse.Namespace) -> Answer:

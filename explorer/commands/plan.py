@@ -11,7 +11,8 @@ from explorer.commands import Answer
 from explorer.commands.run import add_arguments as add_arguments
 from explorer.commands.run import given_by
 from explorer.runs.estimate import Estimate, estimate
-from explorer.runs.settings import RunRequest, asked
+from explorer.runs.settings import Settings, asked
+from explorer.scenes.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -66,18 +67,18 @@ class RunPlan:
         return "\n".join(f"{name:12} {value}" for name, value in lines.items() if value)
 
 
-def planned(made: RunRequest) -> RunPlan:
-    """How the run that was asked for would be computed."""
-    scene, chosen = made.scene, made.scene.plan
+def planned(scene: Scene, settings: Settings) -> RunPlan:
+    """How a run would be computed."""
+    chosen = scene.plan
     how = chosen.level, chosen.method, chosen.reason, chosen.cost
     if not scene.observables:  # a user's scene need not say what it computes
         own = "that of the scene, which names no observables"
         how = own, scene.method, own, "as measured"
-    return RunPlan(scene.name, list(scene.observables), scene.accuracy, *how, estimate(made))
+    return RunPlan(scene.name, list(scene.observables), scene.accuracy, *how, estimate(scene, settings))
 
 
 def call(options: argparse.Namespace) -> Answer:
     """Say the plan."""
     name, given = given_by(options)
-    made = planned(asked(name, given, options.command_line))
-    return Answer({**vars(made), "estimate": asdict(made.estimate)}, str(made))
+    made = planned(*asked(name, given, options.command_line))
+    return Answer(asdict(made), str(made))

@@ -1,22 +1,19 @@
 """`nearflat portrait`: the pictures that the paper does not have, each group made by one command.
 
-Which pictures a group has stands with the pictures; those of the group phase take the options of scene portrait.
+Which pictures a group has stands with the pictures; those of the group phase are of scene portrait.
 The hero and the film are recorded from the page in a browser.
 """
 
 import argparse
-from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from explorer.commands import Answer
 from explorer.errors import InputError, note, one_of
 from explorer.phase.disk import Disk
 from explorer.phase.paths import made_folder
-from explorer.scenes.options import DISK, FOLDER, Options, Reader, option, options_of
+from explorer.scenes.options import DISK, FOLDER, Options, Reader, option
 from explorer.scenes.portrait import Portrait
-from explorer.scenes.scene import Scene
 
 RECORDED = "hero", "film"
 # Those of the pictures, by what they answer; here too, so that help need not load all of these
@@ -43,24 +40,21 @@ class Drawn(Options):
     out: Path = option(FOLDER, "folder", default=Path("results/portrait"))
 
 
-_OF_PHASE = {each.name for each in options_of(Portrait)} - {each.name for each in options_of(Scene)}
+add_arguments = Drawn.add_to
 
 
-def portrait(asked: Drawn, given: dict[str, Any], quiet: bool = True) -> list[Path]:
-    """Draw all groups of pictures, or one, into a folder; returns the files.
+def call(options: argparse.Namespace) -> Answer:
+    """Draw all groups of pictures, or one, into a folder, and say how many files there are.
 
-    given, for the group phase, as for scene portrait: sigma3_bar, sigma4_bar or eta_hat, energy. Raises
-    InputError where they cannot be used, and for the hero or the film alone where there is no browser.
+    Raises InputError for the hero or the film alone where there is no browser.
     """
     from explorer.commands.pages import write_page
     from explorer.view import record
     from explorer.view.browser import find
 
+    asked = Drawn.of(Drawn.said(options))
     folder, files, disk = asked.out, list[Path](), asked.disk or Disk.uniform()
-    if given and asked.only not in (None, "phase"):
-        raise InputError(f"{', '.join(given)}: only the group phase takes this; leave it out, or draw only phase")
-    # What the options do not allow is said before anything is written.
-    scene = Portrait.of({**given, "disk": disk})
+    scene = Portrait.of({"disk": disk})
     groups = [asked.only] if asked.only else GROUPS
     try:
         if set(groups) & set(RECORDED):
@@ -74,13 +68,13 @@ def portrait(asked: Drawn, given: dict[str, Any], quiet: bool = True) -> list[Pa
     parts = list[tuple[str, list[str], list[Path]]]()
     made_folder("out", folder)
     for group in groups:
-        note(f"drawing {group}", quiet)
+        note(f"drawing {group}", options.quiet)
         recorded = group in RECORDED
         drawn = [record.record(group, folder, asked.disk)] if recorded else _group(folder, group, scene)
         parts.append((group.capitalize(), [f"`nearflat portrait --only {group}`"], drawn))
         files += drawn
     write_page(folder, f"Portraits of the {disk.name} disk", f"`{command}`.", parts)
-    return files
+    return Answer({"files": [str(path) for path in files]}, f"{len(files)} files are in {folder}.")
 
 
 def _group(folder: Path, group: str, scene: Portrait) -> list[Path]:
@@ -95,17 +89,3 @@ def _group(folder: Path, group: str, scene: Portrait) -> list[Path]:
             save(figure, folder / f"{name}.{kind}")
         files.append(folder / f"{name}.png")
     return files
-
-
-def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """Add the options of `nearflat portrait`: those of its pictures, and of scene portrait for the group phase."""
-    Drawn.add_to(command)
-    Portrait.add_to(command, _OF_PHASE)
-
-
-def call(options: argparse.Namespace) -> Answer:
-    """Draw, and say how many there are."""
-    asked = Drawn.of(Drawn.said(options))
-    given = {name: value for name, value in Portrait.said(options).items() if name in _OF_PHASE}
-    files = [str(path) for path in portrait(asked, given, options.quiet)]
-    return Answer({"files": files}, f"{len(files)} files are in {asked.out}.")

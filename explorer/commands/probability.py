@@ -1,7 +1,6 @@
 """`nearflat probability`: how probable it is to come nearly flat, for initial states with a distribution."""
 
 import argparse
-from collections.abc import Sequence
 
 from explorer import compiled
 from explorer.commands import Answer
@@ -58,9 +57,7 @@ class Question(Coordinates):
     seed: int = option(whole_from(0), "seed of the random numbers", default=0)
 
 
-def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """Add the options of `nearflat probability`."""
-    Question.add_to(command)
+add_arguments = Question.add_to
 
 
 def call(options: argparse.Namespace) -> Answer:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from explorer.commands import Answer
-from explorer.errors import InputError
 from explorer.runs.settings import Settings, asked
 from explorer.scenes.options import first_line
 from explorer.scenes.scene import NAMES, Scene, read_scene_file, scene_class
@@ -20,13 +19,8 @@ if TYPE_CHECKING:
 _APART = ("scene", "command", "command_line", "call", "json", "quiet")  # which are no options of a run
 
 
-def add_scene(command: argparse.ArgumentParser, words: Sequence[str], text: str = "", **how: Any) -> type[Scene]:
-    """Add the scene that a command is about, and return its class; that of all scenes where none is named."""
-    names = f"{', '.join(NAMES)}, a TOML file that names a scene and sets options, or FILE.py:CLASS, your own"
-    command.add_argument("scene", metavar="SCENE", help=names + text, **how)
-    for word in words:
-        if word.endswith(".py"):
-            raise InputError(f"scene {word}: name its class too, as in {word}:Scene")
+def scene_named(words: Sequence[str]) -> type[Scene]:
+    """The class of the scene that a command names; that of all scenes where none is named."""
     # The options of a scene may stand before its name; a name that is not known stands first, or is not found.
     known = [word for word in words if word in NAMES or word.endswith(".toml") or ".py:" in word]
     first = [word for word in words[:1] if word and not word.startswith("-")]
@@ -38,7 +32,9 @@ def add_scene(command: argparse.ArgumentParser, words: Sequence[str], text: str 
 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the scene with its options, and those of its run; also of `nearflat plan`."""
-    kind = add_scene(command, words)
+    text = f"{', '.join(NAMES)}, a TOML file that names a scene and sets options, or FILE.py:CLASS, your own"
+    command.add_argument("scene", metavar="SCENE", help=text)
+    kind = scene_named(words)
     if kind is not Scene:
         command.description = f"{command.description} {first_line(kind)}"
         own = [word for word in words if ".py:" in word]  # a scene of the user's has no other name here
@@ -77,4 +73,4 @@ def call(options: argparse.Namespace) -> Answer:
     from explorer.runs.run import execute
 
     name, given = given_by(options)
-    return shown(execute(asked(name, given, options.command_line, exist="error")))
+    return shown(execute(*asked(name, {"exist": "error", **given}, options.command_line)))

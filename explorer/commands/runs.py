@@ -10,10 +10,8 @@ from explorer.commands.run import shown
 from explorer.errors import note
 from explorer.runs.merge import merge
 from explorer.runs.run import open
-from explorer.runs.settings import Settings
+from explorer.runs.settings import Making
 from explorer.runs.store import write_json
-
-_RESUME = ("jobs", "backend", "scheduler", "format", "figures")
 
 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
@@ -24,7 +22,7 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
     else:
         command.add_argument("folder", metavar="DIR", type=Path, help="folder of a run")
     if command.prog.endswith(" resume"):
-        Settings.add_to(command, _RESUME)
+        Making.add_to(command)
 
 
 def call(options: argparse.Namespace) -> Answer:
@@ -46,17 +44,15 @@ def _status(options: argparse.Namespace) -> Answer:
 
 def _verify(options: argparse.Namespace) -> Answer:
     run = open(options.folder)
-    faults, lines = run.verify(), ["intact"]
-    if faults:  # what was changed says itself what can be done
-        lines = (
-            faults if run.changed() else [*faults, f"mend what is wrong with: nearflat resume {options.folder}"]
-        )
+    faults = run.verify()
+    lines = faults or ["intact"]
+    if faults and not run.changed():  # what was changed says itself what can be done
+        lines = [*faults, f"mend what is wrong with: nearflat resume {options.folder}"]
     return Answer({"intact": not faults, "faults": faults}, "\n".join(lines), int(bool(faults)))
 
 
 def _resume(options: argparse.Namespace) -> Answer:
-    quiet = False if options.quiet else None
-    return shown(open(options.folder).resume(**Settings.said(options), progress=quiet))
+    return shown(open(options.folder).resume(**Making.said(options), progress=not options.quiet))
 
 
 def _summary(options: argparse.Namespace) -> Answer:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from explorer.commands import Answer
-from explorer.errors import flag, note, positive
+from explorer.errors import note, positive
 from explorer.measure.sampling import Range
 from explorer.motion.reference_samples import ReferencePassages, ReferenceSamples, through_time
 from explorer.motion.vertical import starts_at_vertical
@@ -16,7 +16,7 @@ from explorer.motion.work_precision import Measured, Row, measure
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.paths import made_folder
 from explorer.phase.states import constants_to_states
-from explorer.scenes.options import DISK, RANGE, RANGES, Options, Reader, option, whole_from
+from explorer.scenes.options import DISK, RANGE, RANGES, TRUTH, Options, Reader, option, whole_from
 from explorer.scenes.race_angles import NearF, start_of
 from explorer.scenes.scene import joined
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT
@@ -64,7 +64,7 @@ class Trading(Options):
         "end of these motions, in the units of the disk",
         words="2.5 natural units, about a passage",
     )
-    progress: bool | None = option(Reader(flag, None, "bool | None"), "False prints nothing")
+    progress: bool = option(TRUTH._replace(metavar=None), "False prints nothing", default=True)
 
     @property
     def scene(self) -> NearF:
@@ -119,8 +119,7 @@ class Trade:
 def measured(chosen: Trading) -> Trade:
     """What `ex.trade` returns. Raises InputError."""
     parts = [
-        measure(samples, lambda text: note(text, chosen.progress is False))
-        for samples in chosen.reference_samples()
+        measure(samples, lambda text: note(text, not chosen.progress)) for samples in chosen.reference_samples()
     ]
     return Trade(chosen.scene, parts)
 
@@ -136,8 +135,14 @@ def _lines(part: Measured) -> list[str]:
     ]
 
 
-def write(found: Trade, out: Path, command: str) -> None:
-    """README.md and trade.png in the folder `out`."""
+def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
+    """Add the options of `nearflat trade`."""
+    Trading.add_to(command)
+    command.add_argument("--out", metavar="DIR", type=Path, default=_OUT, help=f"folder (default {_OUT})")
+
+
+def call(options: argparse.Namespace) -> Answer:
+    """Measure, and write README.md and trade.png."""
     from matplotlib.figure import Figure
 
     from explorer.commands.pages import write_page
@@ -145,6 +150,8 @@ def write(found: Trade, out: Path, command: str) -> None:
     from explorer.pictures.style import SIZE
     from explorer.pictures.work_precision import work_precision
 
+    out = made_folder("out", options.out)
+    found = measured(Trading.of({**Trading.said(options), "progress": not options.quiet}))
     count = len(found.parts)
     figure = Figure(figsize=(SIZE[0], count * SIZE[1]), layout="constrained")
     for part, ax in zip(found.parts, figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0], strict=True):
@@ -153,20 +160,7 @@ def write(found: Trade, out: Path, command: str) -> None:
     save(figure, picture := out / "trade.png")
     parts = [("Error and time of all methods", [_ABOUT], [picture])]
     parts += [(part.kind.capitalize(), _lines(part), []) for part in found.parts]
-    made_by = f"`{command}` on {platform.machine()}, {platform.system()}."
+    made_by = f"`{options.command_line}` on {platform.machine()}, {platform.system()}."
     write_page(out, f"Speed against accuracy, {found.scene.label} disk", made_by, parts)
-
-
-def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """Add the options of `nearflat trade`."""
-    Trading.add_to(command)
-    command.add_argument("--out", metavar="DIR", type=Path, default=_OUT, help=f"folder (default {_OUT})")
-
-
-def call(options: argparse.Namespace) -> Answer:
-    """Measure, and write the page."""
-    made_folder("out", options.out)
-    found = measured(Trading.of({**Trading.said(options), "progress": False if options.quiet else None}))
-    write(found, options.out, options.command_line)
     record = {"scene": found.scene.options, "parts": [asdict(part) for part in found.parts]}
-    return Answer(record, f"{found}\n\nTables and picture are in {options.out}.")
+    return Answer(record, f"{found}\n\nTables and picture are in {out}.")

@@ -2,7 +2,6 @@
 
 import argparse
 import webbrowser
-from collections.abc import Sequence
 from pathlib import Path
 
 from explorer.commands import Answer
@@ -29,9 +28,7 @@ class Page(Options):
     open: bool = option(TRUTH, "open the page in the browser", default=False)
 
 
-def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """What the command takes."""
-    Page.add_to(command)
+add_arguments = Page.add_to
 
 
 def call(options: argparse.Namespace) -> Answer:

@@ -102,11 +102,6 @@ class FallingProbability:
         return constant_of(self.disk, self.source)
 
     @cached_property
-    def mass(self) -> float:
-        """Integral of the density, natural units: all that draws need of C."""
-        return Integrator(self.disk, self.source.seen_from(self.disk, 1)).mass().value
-
-    @cached_property
     def _tubes_drawn(self) -> dict[tuple[int, float], Tube]:
         """Tubes by face and tilt: their first draws serve all others."""
         return {}
@@ -132,8 +127,9 @@ class FallingProbability:
     @cached_property
     def _over_factors(self) -> float:
         """The integral of the factors of the density's coordinates over that of the density."""
-        factors = self.source.seen_from(self.disk, 1)
-        return math.prod(factors.factor_mass(name) for name in factors.box.free) / self.mass
+        density = self.source.seen_from(self.disk, 1)
+        of_factors = math.prod(density.factor_mass(name) for name in density.box.free)
+        return of_factors / Integrator(self.disk, density).mass().value
 
     # What is counted
 
@@ -286,20 +282,16 @@ class FallingProbability:
             correction_interval_95=off.interval(),
         )
 
-    def _shares(self, tubes: Tubes, split: str) -> tuple[Array, Array]:
-        """Shares of the bins of a split, and their standard errors.
+    def _by_tilt(self, tubes: Tubes) -> dict[str, Any]:
+        """theta_min / delta of the hits: uniform, if the density of theta_min is constant near 0.
 
         Rungs count alike, whatever their delta. A share is a ratio: its error is that of (1 in the bin) - share.
         """
         unit = self.deltas[self.tested, None, None, None]
-        bins, own = ((tubes[split][self.tested, :, :, i] / unit ** (i + 1)).sum(axis=(0, 1, 2)) for i in (0, 1))
+        bins, own = ((tubes["tilt"][self.tested, :, :, i] / unit ** (i + 1)).sum(axis=(0, 1, 2)) for i in (0, 1))
         share = bins / bins.sum()
         variance = own * (1.0 - 2.0 * share) + share**2 * own.sum()
-        return share, np.sqrt(np.maximum(variance, 0.0)) / bins.sum()
-
-    def _by_tilt(self, tubes: Tubes) -> dict[str, Any]:
-        """theta_min / delta of the hits: uniform, if the density of theta_min is constant near 0."""
-        share, error = self._shares(tubes, "tilt")
+        error = np.sqrt(np.maximum(variance, 0.0)) / bins.sum()
         expected = 1.0 / SHAPE_BINS
         away = np.divide(share - expected, error, out=np.zeros_like(share), where=error > 0.0)
         statistic = float((away**2).sum()) * (1.0 - expected)

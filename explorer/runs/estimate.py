@@ -11,7 +11,7 @@ from pathlib import Path
 from explorer import compiled
 from explorer.errors import note
 from explorer.measure.tallies import Tally
-from explorer.runs.settings import RunRequest, samples_of
+from explorer.runs.settings import Settings, samples_of
 from explorer.scenes.scene import SampledScene, Scene, Table
 
 _BASE_MEMORY = 450e6  # bytes of compiled code and libraries, measured; where the system does not say it
@@ -35,13 +35,12 @@ class Estimate:
     probed: int
 
 
-def estimate(asked: RunRequest) -> Estimate:
+def estimate(scene: Scene, settings: Settings) -> Estimate:
     """Compute a few chunks and scale what they take; writes nothing."""
-    scene, settings, command = asked
-    base, jobs, count = _memory_now(), min(settings.jobs, asked.scene.chunks), asked.scene.chunks
+    base, jobs, count = _memory_now(), min(settings.jobs, scene.chunks), scene.chunks
     # A command starts as this one did; in Python all is loaded by now.
-    starting = time.process_time() if command is not None else 0.0
-    compiled.compile_missing(scene.kernels, lambda text: note(text, settings.quiet))
+    starting = time.process_time() if settings.command is not None else 0.0
+    compiled.compile_missing(scene.kernels, lambda text: note(text, not settings.progress))
     probed = _to_probe(scene)
     scene.chunk(probed[0])  # loads compiled code and fills caches, which no other has to do
     began = time.process_time()  # of the processor, so that other programs do not count

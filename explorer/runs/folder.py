@@ -5,7 +5,6 @@ them), when and how the run was made, and what it ran on.
 """
 
 import contextlib
-import hashlib
 import inspect
 import json
 import linecache
@@ -20,7 +19,7 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from explorer import compiled
-from explorer.errors import InputError, RunError, shown, whole, words
+from explorer.errors import InputError, shown, whole, words
 from explorer.phase.paths import made_folder, path_of
 from explorer.runs import store
 from explorer.runs.machine import arithmetic, machine
@@ -60,17 +59,13 @@ def _code_in(file: str) -> str | None:
     """Digest of a file of Python, or of what a notebook knows by that name; None where there is none."""
     linecache.checkcache(file)  # it may have been edited since it was read
     lines = linecache.getlines(file)
-    return _digest("".join(lines)) if lines else None
+    return store.sha256("".join(lines))[:16] if lines else None
 
 
 def digest_of_identity(known: dict[str, Any]) -> str:
     """The part of an identity, or of a run.json, that all chunks share, however many there are."""
     options = {key: value for key, value in known["options"].items() if key != "samples"}
-    return _digest(json.dumps([options, *(known[name] for name in MADE_BY)], sort_keys=True))
-
-
-def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
+    return store.sha256(json.dumps([options, *(known[name] for name in MADE_BY)], sort_keys=True))[:16]
 
 
 def read_record(folder: Path) -> dict[str, Any]:
@@ -81,47 +76,40 @@ def read_record(folder: Path) -> dict[str, Any]:
         raise InputError(f"{shown(str(folder))}: {why}")
     anew = "start the run anew in another folder"
     try:
-        record = store.read_json(path)
-    except RunError as error:
-        raise InputError(f"{path}: is damaged ({error}); {anew}") from None
+        record = dict(json.loads(path.read_bytes()))
+        if record.get("format") == FORMAT:
+            digest_of_identity(record)  # which looks at what others need
+            whole("chunks", record["chunks"])
+            words("arithmetic", record["arithmetic"])
+            (record.get("from") or "").rpartition(":")  # words, where a scene is a user's
+            read_formats("formats", words("formats", record["formats"]))
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise InputError(f"{path}: is damaged ({store.in_one_line(error)}); {anew}") from None
     if record.get("format") != FORMAT:
         other = f"another version of nearflat wrote it (format {shown(record.get('format'))}, not {FORMAT})"
         raise InputError(f"{path}: {other}; use that version, or {anew}")
-    try:
-        digest_of_identity(record)  # which looks at what others need
-        whole("chunks", record["chunks"])
-        words("arithmetic", record["arithmetic"])
-        (record.get("from") or "").rpartition(":")  # words, where a scene is a user's
-        read_formats("formats", words("formats", record["formats"]))
-    except (InputError, KeyError, TypeError, AttributeError) as error:
-        raise InputError(f"{path}: is damaged ({error}); {anew}") from None
     return record
 
 
 def stored_scene(record: dict[str, Any]) -> Scene:
     """The scene of a run.json; a user's is loaded from its file. Raises InputError."""
     where = record.get("from")
-    if where and _code_now(record) is None:
-        raise InputError(
-            f"scene {where}: there is no file of that name any more; put it back, or, with the options of "
-            f"run.json, go on with: nearflat run NEW.py:{where.rpartition(':')[2]} ... --resume --out DIR"
-        )
     if where:
+        file, _, name = where.rpartition(":")
+        if not Path(file).is_file():
+            raise InputError(
+                f"scene {where}: there is no file of that name any more; put it back, or, with the options of "
+                f"run.json, go on with: nearflat run NEW.py:{name} ... --resume --out DIR"
+            )
         scene_class(where)
     return scene_of(record["options"])
 
 
-def _code_now(record: dict[str, Any]) -> str | None:
-    """The digest that the file of a user's scene has by now; None where it is not there."""
-    where = record.get("from")
-    return _code_in(where.rpartition(":")[0]) if where else record["code"]
-
-
 def changed(record: dict[str, Any], scene: Callable[[], Scene]) -> list[str]:
-    """What computed a run and is other now, in sentences. scene: makes it, unless its file is other, or gone."""
-    now = {**record, "code": _code_now(record) or record["code"], "kernels": compiled.source_digest()}
-    if _code_now(record) == record["code"]:
-        now = identity(scene())
+    """What computed a run and is other now, in sentences. scene: makes it, where no file has its code."""
+    where = record.get("from")
+    code = _code_in(where.rpartition(":")[0]) if where else _code_of(type(scene()))
+    now = {"kernels": compiled.source_digest(), "code": code or record["code"]}  # a file that is gone says nothing
     return [_remedy(what, record) for what in MADE_BY if now[what] != record[what]]
 
 
@@ -168,8 +156,7 @@ def opened(folder: Path, scene: Scene, exist: str) -> Iterator[dict[str, Any]]:
     try:
         lock = FileLock(folder / ".lock").acquire(timeout=0)
     except Timeout:
-        fault = "another run is at work there; wait, or give another folder"
-        raise InputError(f"out {folder}: {fault}") from None
+        raise InputError(f"out {folder}: another run is at work there; wait, or give another folder") from None
     with lock:
         if record.exists() and exist == "error":
             raise InputError(f"out {folder}: holds a run already; resume it, replace it, or give another folder")

@@ -27,11 +27,9 @@ def stopping(onward: str) -> Iterator[threading.Event]:
     stop, before = threading.Event(), {}
 
     def handle(number: int, frame: FrameType | None) -> None:
-        text = (
-            f"stopped; {onward}"
-            if stop.is_set()
-            else "stopping when the running chunks are done; once more stops now"
-        )
+        text = "stopping when the running chunks are done; once more stops now"
+        if stop.is_set():
+            text = f"stopped; {onward}"
         with contextlib.suppress(OSError):  # the terminal may be closed
             print(text, file=sys.stderr, flush=True)
         if stop.is_set():

@@ -22,7 +22,7 @@ from explorer.phase.paths import path_of
 from explorer.runs import folder as folders
 from explorer.runs import store
 from explorer.runs.interrupt import stopping
-from explorer.runs.settings import FORMATS, RunRequest, Settings, samples_of
+from explorer.runs.settings import FORMATS, Settings, samples_of
 from explorer.runs.workers import compute_all
 from explorer.scenes.options import plain
 from explorer.scenes.scene import Picture, Scene, Table
@@ -135,12 +135,7 @@ class Run:
         fault = (
             f"{missing} of {len(due)} chunks are missing" if missing else "there are chunks that are not its own"
         )
-        raise RunError(f"{self.place}: {fault}; continue with: nearflat resume {self.place}")
-
-    @property
-    def place(self) -> str:
-        """Where it is, for messages."""
-        return str(self.folder or "the run in memory")
+        raise RunError(f"{self.folder}: {fault}; continue with: nearflat resume {self.folder}")
 
     @cached_property
     def _total(self) -> tuple[Any, dict[str, Any]]:
@@ -151,7 +146,7 @@ class Run:
             for said in map(store.Chunk.note, part.complete()):
                 if said["identity"] != due:
                     fault = "its chunks are not those that run.json describes"
-                    raise RunError(f"{part.place}: {fault}; see: nearflat verify {part.place}")
+                    raise RunError(f"{part.folder}: {fault}; see: nearflat verify {part.folder}")
                 with self.scene.running("tally"):
                     total += self.scene.tally.of_state(said["tally"])
                 digests.append(said["digest"])
@@ -293,7 +288,22 @@ class Run:
         >>> races.verify()
         []
         """
-        return [fault for part in self.parts for fault in part._faults()]
+        if self._parts:
+            return [fault for part in self._parts for fault in part.verify()]
+        known, chunks, due = self.identity, self.chunks, self._due
+        faults = [f"run.json: {each}" for each in self.changed()]
+        missing = sorted({*range(due)} - {chunk.number for chunk in chunks})
+        named = shorten(", ".join(map(str, missing)), 60)
+        if missing:
+            faults.append(f"{len(missing):,} of {due:,} chunks are missing: {named}")
+        looked_at = store.examined(chunks, due, folders.digest_of_identity(known), rows=True)
+        faults += [f"{chunk.name}: {fault}" for chunk, fault in looked_at if fault]
+        summary = self.folder and self.folder / "summary.json"
+        if not faults and summary and summary.is_file():
+            with contextlib.suppress(InputError):  # without the file of a user's scene nothing is added up
+                if summary.read_bytes() != store.as_json(Run(self.scene, folder=self.folder).summary):
+                    faults.append("summary.json: does not belong to these chunks; run `nearflat summary`")
+        return faults
 
     def changed(self) -> list[str]:
         """What has changed since the run was computed, one sentence each: such a run can be read, but not resumed.
@@ -304,28 +314,9 @@ class Run:
         >>> ex.run("race-angles", samples=1000).changed()
         []
         """
-        return [each for part in self.parts for each in part._changed()]
-
-    def _changed(self) -> list[str]:
+        if self._parts:
+            return [each for part in self._parts for each in part.changed()]
         return folders.changed(self.identity, lambda: self.scene)
-
-    def _faults(self) -> list[str]:
-        known, chunks, due = self.identity, self.chunks, self._due
-        faults = [f"run.json: {each}" for each in self.changed()]
-        missing = sorted({*range(due)} - {chunk.number for chunk in chunks})
-        named = shorten(", ".join(map(str, missing)), 60)
-        if missing:
-            faults.append(f"{len(missing):,} of {due:,} chunks are missing: {named}")
-        looked_at = store.examined(chunks, due, folders.digest_of_identity(known), rows=True)
-        faults += [f"{chunk.name}: {fault}" for chunk, fault in looked_at if fault]
-        summary = self.folder and self.folder / "summary.json"
-        if not faults and summary and summary.exists():
-            with contextlib.suppress(InputError):  # without the file of a user's scene nothing is added up
-                if not summary.is_file() or summary.read_bytes() != store.as_json(
-                    Run(self.scene, folder=self.folder).summary
-                ):
-                    faults.append("summary.json: does not belong to these chunks; run `nearflat summary`")
-        return faults
 
     def resume(self, **settings: Any) -> "Run":
         """Compute what is missing or damaged, and draw the pictures that are missing; returns the run itself.
@@ -341,7 +332,7 @@ class Run:
         if self._parts:
             raise InputError("several runs were merged here; resume each of them")
         if self.folder is not None:
-            execute(RunRequest(self.scene, Settings.of({**settings, "out": self.folder})))
+            execute(self.scene, Settings.of({**settings, "out": self.folder}))
             vars(self).pop("_total", None)
         return self
 
@@ -399,37 +390,36 @@ def open(folder: Path | str) -> Run:
     return Run(folder=place)
 
 
-def execute(asked: RunRequest) -> Run:
+def execute(scene: Scene, settings: Settings) -> Run:
     """Compute a run into its folder, or into memory where it has none.
 
     Raises InputError before anything is written, RunError after. The numbers depend on the scene alone, never on
     workers or an interruption. The first Ctrl-C or SIGTERM lets running chunks finish; then Interrupted is raised,
     which says how to continue.
     """
-    scene, settings, _ = asked
     if settings.out is not None:
         with folders.opened(settings.out, scene, settings.exist) as record:
-            return _fill(asked, settings.out, record)
-    compiled.warmup(scene.kernels, lambda text: note(text, settings.quiet))
+            return _fill(scene, settings, settings.out, record)
+    compiled.warmup(scene.kernels, lambda text: note(text, not settings.progress))
     with stopping(settings.onward) as stop:
-        held = sorted(_computed(asked, list(range(scene.chunks)), stop), key=lambda chunk: chunk.name)
+        held = sorted(_computed(scene, settings, list(range(scene.chunks)), stop), key=lambda chunk: chunk.name)
     run = Run(scene, held)
     _ = run.summary  # which may find that nothing can be said
     return run
 
 
-def _fill(asked: RunRequest, folder: Path, record: dict[str, Any]) -> Run:
+def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]) -> Run:
     """Compute, store, summarise and draw what is not there. record: what run.json says of a run that was begun."""
-    clock, (scene, settings, command) = time.monotonic(), asked
+    clock = time.monotonic()
 
     def say(text: str) -> None:
-        note(text, settings.quiet)
+        note(text, not settings.progress)
 
     missing = folders.missing_chunks(folder, scene, say)
     known: dict[str, Any] = {"command": None, "formats": FORMATS, "arithmetic": []} | record
     how: dict[str, Any] = {
         "started": known.get("started", folders.now()),
-        "command": command or known["command"],
+        "command": settings.command or known["command"],
         "jobs": settings.jobs,
         "backend": settings.backend,
         "formats": (settings.format or known["formats"] or FORMATS) if settings.figures else [],
@@ -438,20 +428,20 @@ def _fill(asked: RunRequest, folder: Path, record: dict[str, Any]) -> Run:
     folders.write_record(folder, scene, how)
     compiled.warmup(scene.kernels, say)  # takes long; what is stopped now can be resumed
     with stopping(settings.onward) as stop:
-        deque(_computed(asked, missing, stop), maxlen=0)
+        deque(_computed(scene, settings, missing, stop), maxlen=0)
         how |= {"chunks_computed": len(missing), "seconds_for_chunks": round(time.monotonic() - clock, 3)}
         run, summary, drawn = Run(scene, folder=folder), folder / "summary.json", folder / "figures"
         if summary.exists() and summary.read_bytes() != store.as_json(run.summary):
             shutil.rmtree(drawn, ignore_errors=True)  # pictures of fewer samples
         store.write_json(summary, run.summary)
-        if how["formats"] and not _draw_missing(run, how["formats"], stop):
-            raise Interrupted(f"all samples are stored, pictures are missing; {settings.onward}")
+        if how["formats"]:
+            _draw_missing(run, how["formats"], stop, settings.onward)
     folders.write_record(folder, scene, {**how, "finished": folders.now()})
     return run
 
 
-def _draw_missing(run: Run, formats: Sequence[str], stop: threading.Event) -> bool:
-    """Draw the pictures whose files are not there; whether all are, since none is begun once stopped."""
+def _draw_missing(run: Run, formats: Sequence[str], stop: threading.Event, onward: str) -> None:
+    """Draw the pictures whose files are not there. Raises Interrupted where one is left once stopped."""
     from explorer.pictures.register import save
 
     folder = Path(run.folder or ".") / "figures"
@@ -461,7 +451,7 @@ def _draw_missing(run: Run, formats: Sequence[str], stop: threading.Event) -> bo
         if not missing:
             continue
         if stop.is_set():
-            return False
+            raise Interrupted(f"all samples are stored, pictures are missing; {onward}")
         figure = run.figure(name)
         for path in missing:
             save(figure, begun := path.with_name(f".{path.name}"))
@@ -469,17 +459,17 @@ def _draw_missing(run: Run, formats: Sequence[str], stop: threading.Event) -> bo
             # Parts stay where the first file has them: to place them is half the work. With a layout engine of any
             # kind, also "none", matplotlib would draw twice, once to let it place parts.
             figure.set_layout_engine(None)
-    return True
 
 
-def _computed(asked: RunRequest, missing: list[int], stop: threading.Event) -> Iterator[store.Chunk]:
+def _computed(
+    scene: Scene, settings: Settings, missing: list[int], stop: threading.Event
+) -> Iterator[store.Chunk]:
     """Compute the chunks that are missing, and show how far it is. Raises Interrupted."""
-    scene, settings, _ = asked
     due, count, counts = samples_of(scene), len(missing), ByName[int]()
     there = due - sum(map(scene.length, missing))
     often = 0.1 if sys.stderr.isatty() else 5.0  # seconds between two lines
     how: dict[str, Any] = {"desc": scene.name, "unit": " samples", "unit_scale": True, "mininterval": often}
-    with tqdm(total=due, initial=there, delay=2.0, disable=settings.quiet, **how) as bar:
+    with tqdm(total=due, initial=there, delay=2.0, disable=not settings.progress, **how) as bar:
         for chunk, status in compute_all(scene, missing, settings, stop) if missing else ():
             count -= 1
             counts = counts + status

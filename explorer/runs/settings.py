@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from explorer.errors import MOST_JOBS, InputError, flag, one_of, whole, words
+from explorer.errors import MOST_JOBS, InputError, one_of, whole, words
 from explorer.scenes.options import FOLDER, TEXT, TRUTH, Options, Reader, option, options_of, whole_from, word_of
 from explorer.scenes.scene import Scene, scene_class
 
@@ -35,20 +35,9 @@ def read_rng(name: str, value: Any) -> int:
     return whole(name, value, high=2**128 - 1)
 
 
-class Settings(Options):
+class Making(Options):
     """How the run is computed and stored, without effect on its numbers."""
 
-    out: Path | None = option(
-        FOLDER,
-        "folder of the run",
-        words=f"results/SCENE-DISK-SEED; from Python, up to {MOST_IN_MEMORY:,} samples stay in memory",
-    )
-    exist: str = option(
-        word_of("resume", "replace", "error")._replace(metavar=None),
-        'what to do if the folder already holds a run: "resume" computes what is missing, "replace" computes '
-        'everything anew, "error" refuses',
-        default="resume",
-    )
     jobs: int = option(whole_from(1, MOST_JOBS), "number of workers; results do not depend on it", default=2)
     backend: str = option(word_of("threads", "processes", "dask"), "kind of workers", default="threads")
     scheduler: str | None = option(
@@ -60,13 +49,6 @@ class Settings(Options):
         "formats of the pictures: png, svg, pdf",
         words="png,svg",
     )
-    progress: bool | None = option(
-        Reader(flag, None, "bool"), "False prints nothing; otherwise a bar appears if the run takes over 2 seconds"
-    )
-    rng: int | None = option(
-        Reader(read_rng, None, "int | np.random.SeedSequence | np.random.Generator"),
-        "another name of `seed`; it may also be a SeedSequence or a Generator of numpy",
-    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -75,10 +57,31 @@ class Settings(Options):
         if self.backend == "dask" and find_spec("distributed") is None:
             raise InputError("backend dask: needs the extra 'cluster': pip install 'nearflat[cluster]'")
 
-    @property
-    def quiet(self) -> bool:
-        """Whether nothing but errors is said."""
-        return self.progress is False
+
+class Settings(Making):
+    """Where a run goes."""
+
+    command: str | None = None  # the command line that asked for it, if one did
+    out: Path | None = option(
+        FOLDER,
+        "folder of the run",
+        words=f"results/SCENE-DISK-SEED; from Python, up to {MOST_IN_MEMORY:,} samples stay in memory",
+    )
+    exist: str = option(
+        word_of("resume", "replace", "error")._replace(metavar=None),
+        'what to do if the folder already holds a run: "resume" computes what is missing, "replace" computes '
+        'everything anew, "error" refuses',
+        default="resume",
+    )
+    progress: bool = option(
+        TRUTH._replace(metavar=None),
+        "False prints nothing; else a bar where a run takes more than two seconds",
+        default=True,
+    )
+    rng: int | None = option(
+        Reader(read_rng, None, "int | np.random.SeedSequence | np.random.Generator"),
+        "another name of `seed`; it may also be a SeedSequence or a Generator of numpy",
+    )
 
     @property
     def onward(self) -> str:
@@ -90,35 +93,29 @@ class Settings(Options):
         return f"continue with: nearflat resume {self.out}{by}{to}"
 
 
-class RunRequest(NamedTuple):
-    """A run that was asked for: its question, how it is made, and the command line, if one asked for it."""
-
-    scene: Scene
-    settings: Settings
-    command: str | None = None
-
-
-def asked(name: Any, given: Mapping[str, Any], command: str | None = None, exist: str = "resume") -> RunRequest:
+def asked(name: Any, given: Mapping[str, Any], command: str | None = None) -> tuple[Scene, Settings]:
     """The run that scene and keywords ask for, of Python, of the command line or of a TOML file.
 
-    name: as `scene_class` takes it, or a scene. command: the command line, where there is one; then the run always
-    has a folder. exist: what becomes of a run in the folder, unless it is said. Raises InputError.
+    name: as `scene_class` takes it. command: the command line, where there is one; then the run always has a
+    folder. Raises InputError.
     """
-    settings, rest = Settings.apart({"exist": exist, **{k: v for k, v in given.items() if v is not None}})
+    said = {name: value for name, value in given.items() if value is not None}
+    known = {each.name for each in options_of(Settings)}
+    settings = Settings.of({name: said.pop(name) for name in [*said] if name in known})
     if settings.rng is not None:
-        if "seed" in rest:
+        if "seed" in said:
             raise InputError("rng and seed set the same; leave one out")
-        rest["seed"] = settings.rng
-    kind = type(name) if isinstance(name, Scene) else scene_class(name)
-    taken = {*_WORDS, *(each.name for each in options_of(Settings))} & {each.name for each in options_of(kind)}
+        said["seed"] = settings.rng
+    kind = scene_class(name)
+    taken = {*_WORDS, *known} & {each.name for each in options_of(kind)}
     if taken:
         raise InputError(
             f"scene {kind.__name__}: {min(taken)} is the name of a setting of runs; give your option another name"
         )
-    scene = name if isinstance(name, Scene) else kind.of(rest)
+    scene = kind.of(said)
     if settings.out is None and (command is not None or samples_of(scene) > MOST_IN_MEMORY):
         settings = replace(settings, out=Path(f"results/{scene.name}-{scene.label}-{scene.seed}"))
-    return RunRequest(scene, settings, command)
+    return scene, replace(settings, command=command)
 
 
 def samples_of(scene: Scene) -> int:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from explorer.motion.compare import ANGLES, apart
 from explorer.motion.plan import method_in_words
 from explorer.runs.run import execute
-from explorer.runs.settings import RunRequest, Settings
+from explorer.runs.settings import Settings
 from explorer.scenes.scene import SampledScene
 
 
@@ -62,5 +62,5 @@ def in_words(found: dict[str, Any]) -> list[str]:
 def _timed(scene: SampledScene, column: str, jobs: int) -> tuple[float, NDArray[Any]]:
     """Seconds on the clock, and the column of all samples."""
     began = time.perf_counter()
-    run = execute(RunRequest(replace(scene, keep="all"), Settings.of({"jobs": jobs, "progress": False})))
+    run = execute(replace(scene, keep="all"), Settings.of({"jobs": jobs, "progress": False}))
     return time.perf_counter() - began, np.concatenate([table[column] for table in run.tables([column])])

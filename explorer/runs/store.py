@@ -88,7 +88,7 @@ class Chunk(NamedTuple):
         """
         try:
             inside = self.data()
-            if not self.name.endswith(f"-{_sha(inside)[:16]}.parquet"):
+            if not self.name.endswith(f"-{sha256(inside)[:16]}.parquet"):
                 return "its bytes are not those that were written"
             with Chunk(self.name, inside)._opened() as file:
                 note = _noted(file)
@@ -137,9 +137,9 @@ def make_chunk(scene: Scene, index: int, identity: str, folder: Path | None) -> 
         note["digest"] = digest_of({**table, **read}, note["tally"])
         text = json.dumps(note, allow_nan=False).encode()
     stream = pa.BufferOutputStream()
-    _write_parquet(arrow, stream, {_NOTE: text, _CHECK: _sha(text).encode()})
+    _write_parquet(arrow, stream, {_NOTE: text, _CHECK: sha256(text).encode()})
     content = stream.getvalue().to_pybytes()
-    chunk = Chunk(f"chunk-{index:06d}-{_sha(content)[:16]}.parquet", content)
+    chunk = Chunk(f"chunk-{index:06d}-{sha256(content)[:16]}.parquet", content)
     if folder is not None:
         chunk = chunk._replace(content=commit(folder / "chunks" / chunk.name, content))
     return chunk, dict(tally.status)
@@ -173,7 +173,7 @@ def _noted(file: pq.ParquetFile) -> dict[str, Any]:
     metadata = file.metadata.metadata or {}
     if _NOTE not in metadata or _CHECK not in metadata:
         raise ValueError("its metadata do not say which chunk it is")
-    if _sha(metadata[_NOTE]).encode() != metadata[_CHECK]:
+    if sha256(metadata[_NOTE]).encode() != metadata[_CHECK]:
         raise ValueError("checksum of its metadata")
     return dict(json.loads(metadata[_NOTE]))
 
@@ -202,11 +202,11 @@ def digest_of(table: Table, tally: dict[str, Any]) -> str:
 
 def digest_of_all(digests: Sequence[str]) -> str:
     """Digest of a run from those of its chunks, in order."""
-    return _sha("".join(digests).encode())
+    return sha256("".join(digests))
 
 
-def _sha(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()
+def sha256(content: str | bytes) -> str:
+    return hashlib.sha256(content.encode() if isinstance(content, str) else content).hexdigest()
 
 
 def in_one_line(error: Exception) -> str:
@@ -247,11 +247,3 @@ def write_json(path: Path, content: dict[str, Any]) -> None:
     """
     if not path.is_file() or path.read_bytes() != as_json(content):
         commit(path, as_json(content))
-
-
-def read_json(path: Path) -> dict[str, Any]:
-    """Read a JSON object. Raises RunError naming the file."""
-    try:
-        return dict(json.loads(path.read_bytes()))
-    except (OSError, ValueError, TypeError) as error:
-        raise RunError(f"{path}: cannot be read ({in_one_line(error)})") from error

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError
 from explorer.measure import sifting, statistics
 from explorer.measure.sampling import chunk_stream, read_ranges
 from explorer.measure.slices import ConstantsPlane, Slice, slice_map
@@ -21,11 +20,10 @@ from explorer.measure.tallies import ByName, Least, LogHistogram, count_status
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import falling_set
 from explorer.phase.constants import constants_of
-from explorer.phase.disk import require_axial_inertia
 from explorer.phase.falling_set import falls_of
 from explorer.phase.states import COORDINATES, Array, phi_to_states
 from explorer.scenes.given_states import Block
-from explorer.scenes.options import Reader, option, several, whole_from, word_of
+from explorer.scenes.options import Reader, option, whole_from, word_of
 from explorer.scenes.scene import Counts, Picture, Table
 from explorer.scenes.starts import FromStates
 
@@ -71,7 +69,7 @@ class FallingSet(FromStates):
         follows=lambda self, given: given or ("near" if self.samples > MOST_THETA_MIN else "all"),
     )
     slice: tuple[Slice, ...] = option(
-        Reader(several(read_ranges), "SLICE", "str | Slice | Sequence[str | Slice]"),
+        Reader(read_ranges, "SLICE", "str | Slice"),
         "a plane of the phase space to show in a picture; two coordinates are fixed and two are ranges, as in "
         '"phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"',
         words="two slices",
@@ -100,14 +98,6 @@ class FallingSet(FromStates):
         "tilt of {theta_min_of}, each at its flattest moment: median {theta_min_quantiles[0.5]:.3g} rad, "
         "one in a thousand below {theta_min_quantiles[0.001]:.3g} rad",
     )
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        require_axial_inertia(self.disk)
-        if self.theta_min == "none" and self.method != "auto":
-            raise InputError(
-                f"method {self.method}: is for theta_min, and theta_min is none; leave one of the two out"
-            )
 
     @property
     def tube(self) -> float:

@@ -146,9 +146,8 @@ class GivenStates:
             table = {name: values[first : first + count] for name, values in self.columns.items()}
         states = self.chart.states(disk, table, degrees)
         known = coordinates_of(states)
-        if (
-            not degrees
-        ):  # those that were given stay as they are, to the last digit and also where they are no state
+        # Those that were given stay as they are, to the last digit and also where they are no state.
+        if not degrees:
             known |= {name: table[name] for name in self.chart.present(table) if name in known}
         # A column in degrees must not come back under a name that stands for radians.
         turned = set(self.chart.names) & set(ANGULAR) if degrees else ()

@@ -22,7 +22,6 @@ from explorer.measure.tallies import Histogram, count_status
 from explorer.measure.tubes import widest_eta
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase.arguments import read_range
-from explorer.phase.disk import require_axial_inertia
 from explorer.phase.states import COORDINATES, Array, phi_to_states
 from explorer.scenes.options import Reader, option, whole_from
 from explorer.scenes.scene import SAMPLES, Counts, Picture, Table
@@ -81,7 +80,6 @@ class MeasureZero(FromDensity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require_axial_inertia(self.disk)
         if not {"sigma3", "sigma4"} & set(self.box.free):
             raise InputError(
                 "box: sigma3 and sigma4 are both fixed, so the falling set is met at isolated tilts or not at "

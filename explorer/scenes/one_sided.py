@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from explorer.errors import InputError
+from explorer.measure.races import SIDES
 from explorer.measure.sampling import Range, chunk_stream
 from explorer.measure.tallies import ByName, count_status
 from explorer.motion import limit_motions
@@ -21,7 +22,7 @@ from explorer.motion.plan import TIGHTEST
 from explorer.motion.trajectories import trajectories_by
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
-from explorer.scenes.options import DISKS, NUMBER, RANGE, RANGES, option, plain
+from explorer.scenes.options import DISK, NUMBER, RANGE, RANGES, option, plain
 from explorer.scenes.scene import SAMPLES, Counts, Picture, Scene, Table, joined
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, BoxNearF, check_eta_hat
 
@@ -29,7 +30,6 @@ BLOCK = 8  # starts per chunk
 # A distance from the limit is some eta ln(1/eta), and a motion errs by up to fifty times its accuracy where its
 # path is long. So the accuracy is this share of the smallest eta_hat.
 _SHARE = 1e-3
-SIDES = {"plus": 1, "minus": -1}
 # The limits coincide where the measured gap is below this (rad); it is 1.48 and more elsewhere.
 SAME = 1e-3
 
@@ -49,7 +49,7 @@ class OneSided(Scene):
     """What is the limit from each side of F? Distances of motions from the limit motion as eta_hat shrinks."""
 
     disk: tuple[Disk, ...] = option(  # type: ignore[assignment]  # several
-        DISKS,
+        DISK,
         "disk, as for other scenes; several may be given",
         default=(Disk.uniform(), Disk.hoop(), Disk.matching()),
         key="disks",
@@ -59,7 +59,7 @@ class OneSided(Scene):
     box: BoxNearF | None = option(
         RANGES,
         BOX_NEAR_F,
-        follows=lambda self, given: None if given is None else BoxNearF.of(self.disk[0], given),
+        follows=lambda self, given: None if given is None else BoxNearF.near(self.disk[0], given),
     )
     eta_hat: Range | None = option(RANGE, ETA_HAT, words="1e-6:1e-1 natural units, one distance for each decade")
     accuracy: float = option(
@@ -117,7 +117,7 @@ class OneSided(Scene):
     def starts(self, index: int) -> list[dict[str, float]]:
         """Points of F of chunk `index`, each by its phidot, sigma3_bar and face at the vertical."""
         disk, _, count = self.parts[index]
-        drawn = (self.box or BoxNearF.default(disk)).starts(chunk_stream(self.seed, index), count)
+        drawn = (self.box or BoxNearF.near(disk, {})).starts(chunk_stream(self.seed, index), count)
         return [{name: float(values[i]) for name, values in drawn.items()} for i in range(count)]
 
     @property

@@ -8,9 +8,10 @@ name of the option and the value, and raises InputError with both.
 
 import argparse
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import Field, dataclass, field, fields, is_dataclass
 from functools import partial
+from inspect import get_annotations
 from typing import Any, NamedTuple, Self, dataclass_transform
 
 import numpy as np
@@ -50,9 +51,12 @@ def option(
 
     text: for help, and words: its default, where the value does not say it. follows: called with all options and
     with what was read, None where nothing was given; returns the value. key: what records call it that list
-    one or several, as `slices` for slice. several: whether the flag may be given more than once. required:
-    whether it must be given.
+    one or several, as `slices` for slice. several: whether the value is a tuple, of one or of a list, and the flag
+    may be given more than once. required: whether it must be given.
     """
+    if several:
+        accepts = f"{reader.accepts} | Sequence[{reader.accepts}]"
+        reader = Reader(partial(_read_all, reader.read), reader.metavar, accepts)
     about = {"reader": reader, "text": text, "words": words, "follows": follows, "required": required}
     return field(default=default, metadata={**about, "key": key, "several": several})
 
@@ -100,13 +104,6 @@ class Options:
         return cls(**{known[name]: value for name, value in given.items() if value is not None})
 
     @classmethod
-    def apart(cls, given: Mapping[str, Any]) -> tuple[Self, dict[str, Any]]:
-        """These options of what was given, and what else was given. Raises InputError."""
-        names = {each.name for each in options_of(cls)}
-        own, rest = ({k: v for k, v in given.items() if (k in names) is mine} for mine in (True, False))
-        return cls.of(own), rest
-
-    @classmethod
     def said(cls, words: argparse.Namespace) -> dict[str, Any]:
         """What a command line says of these options."""
         return {each.name: getattr(words, each.name) for each in options_of(cls) if hasattr(words, each.name)}
@@ -121,16 +118,11 @@ class Options:
         return record
 
     @classmethod
-    def add_to(cls, parser: argparse.ArgumentParser, only: Collection[str] | None = None) -> None:
-        """Add the flags, or only some, to a parser, in a group for each class that declares some."""
+    def add_to(cls, parser: argparse.ArgumentParser, words: Sequence[str] = ()) -> None:
+        """Add the flags to a parser, in a group for each class that declares some. words: are not looked at."""
+        left = {each.name: each for each in options_of(cls) if each.metadata["reader"].metavar is not None}
         for kind in cls.__mro__:
-            own = [
-                each
-                for each in options_of(cls)
-                if each.metadata["reader"].metavar is not None
-                and each.name in (only or {each.name})
-                and _home_of(cls, each) is kind
-            ]
+            own = [left.pop(name) for name in get_annotations(kind) if name in left]
             group = parser.add_argument_group(first_line(kind).rstrip(".")) if own else parser
             for each in own:
                 reader = each.metadata["reader"]
@@ -141,6 +133,11 @@ class Options:
                     how["action"] = "append"
                 flag, text = f"--{each.name.replace('_', '-')}", described(each).replace("%", "%%")
                 group.add_argument(flag, dest=each.name, default=argparse.SUPPRESS, help=text, **how)
+
+
+def _read_all(read: Callable[[str, Any], Any], name: str, value: Any) -> tuple[Any, ...]:
+    """One value, or each of a list."""
+    return tuple(read(name, each) for each in (value if isinstance(value, list | tuple) else [value]))
 
 
 def options_of(kind: type) -> "tuple[Field[Any], ...]":
@@ -159,10 +156,6 @@ def described(each: "Field[Any]") -> str:
         "" if each.default is None or each.default is False else written(each.default)
     )
     return f"{each.metadata['text']} (default {default})" if default else str(each.metadata["text"])
-
-
-def _home_of(cls: type, each: "Field[Any]") -> type:
-    return next(kind for kind in cls.__mro__ if each.name in vars(kind).get("__annotations__", ()))
 
 
 def first_line(kind: type) -> str:
@@ -226,15 +219,6 @@ def read_disk(name: str, value: Any) -> Disk:
     return Disk.parse(value)
 
 
-def several(read: Callable[[str, Any], Any]) -> Callable[[str, Any], tuple[Any, ...]]:
-    """A reader of one value or of a list of them."""
-
-    def read_all(name: str, value: Any) -> tuple[Any, ...]:
-        return tuple(read(name, each) for each in (value if isinstance(value, list | tuple) else [value]))
-
-    return read_all
-
-
 def read_density(name: str, value: Any) -> Function:
     """Read a density. A stored run says only which function it had. Raises InputError."""
     if not callable(value):
@@ -254,6 +238,5 @@ RANGE = Reader(read_range, "LOW:HIGH", "str | float | tuple[float, float]")
 OPEN_RANGE = Reader(partial(read_range, unbounded=True), "LOW:HIGH", "str | tuple[float | None, float | None]")
 RANGES = Reader(read_ranges, "NAME=LOW:HIGH,..", "str | Box | Mapping[str, tuple[float, float]]")
 DISK = Reader(read_disk, "DISK", "Disk | str")
-DISKS = Reader(several(read_disk), "DISK", "Disk | str | Sequence[Disk | str]")
 GAUSSIANS = Reader(read_gaussians, "NAME=MEAN:DEVIATION,..", "str | Mapping[str, tuple[float, float]]")
 DENSITY = Reader(read_density, None, "Callable[..., Array]")

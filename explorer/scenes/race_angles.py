@@ -30,7 +30,6 @@ from explorer.measure.tallies import ByName, Histogram, LogHistogram
 from explorer.motion.bounces import MOST, bounce_kernels, bounces, motion_constants
 from explorer.motion.passages import passage_kernels, passages_by
 from explorer.motion.vertical import starts_at_vertical
-from explorer.phase.disk import require_axial_inertia
 from explorer.phase.states import Array
 from explorer.scenes.given_states import Block
 from explorer.scenes.options import RANGE, RANGES, option, whole_from, word_of
@@ -119,10 +118,6 @@ class RaceAngles(FromStates):
         made: Self = kind.of(given)
         return made
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        require_axial_inertia(self.disk)
-
     # Counts
 
     def count(self, tally: RaceCounts, table: Table) -> None:
@@ -149,11 +144,7 @@ class RaceAngles(FromStates):
                 f"{self.name}: none of {self.samples:,} samples has a race angle ({ended}); {self.remedy}"
             )
         limit, groups = self.disk.race_limit, tally.decades.groups
-        summary = {
-            **super().summarise(tally),
-            "limit": limit,
-            "wrong_way": tally.wrong_way,
-        }
+        summary = super().summarise(tally) | {"limit": limit, "wrong_way": tally.wrong_way}
         for name, side in SIDES.items():
             of_side = [group for group in groups if group % 2 == (side > 0)]
             deviation = tally.decades.part(of_side)
@@ -211,7 +202,7 @@ class NearF(RaceAngles):
         for name in (*_ELSEWHERE, *usual):
             if getattr(self, name) != usual.get(name):
                 raise InputError(f"{name}: is for start anywhere; leave it out, or give start anywhere")
-        return BoxNearF.of(self.disk, given or {})
+        return BoxNearF.near(self.disk, given or {})
 
     def eta_hat_of(self, given: Range | None) -> Range:
         """The range of distances from F."""

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, RunError, one_of, shorten, shown
+from explorer.errors import InputError, RunError, one_of, shorten, shown, suggest
 from explorer.measure.sampling import Stream, chunk_stream
 from explorer.measure.tallies import ByName, Tally, count_status
 from explorer.motion.plan import METHODS, Plan, plan
@@ -43,10 +43,8 @@ def code_of_user(place: str | None) -> Iterator[None]:
     """Say in a sentence what fails in a user's code, and at which place; None: in our own, which says itself."""
     try:
         yield
-    except (InputError, RunError, MemoryError):
-        raise
     except Exception as error:
-        if place is None:
+        if place is None or isinstance(error, InputError | RunError | MemoryError):
             raise
         what = " ".join(f"{type(error).__name__}: {error}".split())
         raise RunError(f"{place}: {shorten(what, 300)}") from error
@@ -87,9 +85,6 @@ class Scene(Options, ABC):
     def __post_init__(self) -> None:
         """Raise InputError where options do not go together; scenes add what they must refuse."""
         super().__post_init__()
-        for name in ("seed", "samples"):
-            if not isinstance(getattr(self, name, 0), int):
-                raise InputError(f"{name}: is a whole number in every scene; declare it anew by whole_from(...)")
         _ = self.plan  # a method that cannot give the observables is refused before anything is written
         if not self.observables and self.method != "auto":
             raise InputError(f"method {self.method}: {self.name} names no observables, so it has no methods")
@@ -323,16 +318,14 @@ def scene_class(name: Any) -> type[Scene]:
         return register(name)
     if isinstance(name, str) and ".py:" in name:
         return register(_in_file(name))
-    try:
-        known = one_of("scene", name, [*NAMES, *_own])
-    except InputError as error:
-        raise InputError(
-            f"{error}. A scene of your own: nearflat run my.py:Scene, or ex.register(Scene)"
-        ) from None
-    if known in _own:
-        return _own[known]
-    home = import_module(f"explorer.scenes.{known.replace('-', '_')}")
-    found: type[Scene] = getattr(home, known.title().replace("-", ""))
+    known = [*NAMES, *_own]
+    if name not in known:
+        yours = "A scene of your own: nearflat run my.py:Scene, or ex.register(Scene)"
+        raise InputError(f"scene {shown(name)} is not known; {suggest(name, known)}. {yours}")
+    if name in _own:
+        return _own[name]
+    home = import_module(f"explorer.scenes.{name.replace('-', '_')}")
+    found: type[Scene] = getattr(home, name.title().replace("-", ""))
     return found
 
 

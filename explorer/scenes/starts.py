@@ -1,7 +1,6 @@
 """Where samples come from: a density, states of the user's, or the neighbourhood of F at the vertical."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -11,7 +10,7 @@ from explorer import compiled
 from explorer.errors import InputError, RunError
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, ChartBox, Range, Stream, box_of, chunk_stream, in_radians, signs
-from explorer.phase.disk import SYNTAX, Disk
+from explorer.phase.disk import SYNTAX, Disk, require_axial_inertia
 from explorer.phase.states import Array, States
 from explorer.scenes.given_states import Block, GivenStates, coordinates_of
 from explorer.scenes.options import DENSITY, DISK, GAUSSIANS, OPEN_RANGE, RANGES, TRUTH, Reader, option
@@ -54,6 +53,7 @@ class FromDensity(SampledScene):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        require_axial_inertia(self.disk)
         if self.box is not None:
             object.__setattr__(self, "degrees", False)  # from here on all are in rad
             # An energy or a density that the box does not reach is refused before anything is written.
@@ -96,7 +96,7 @@ class FromStates(FromDensity):
     samples: int = option(
         *SAMPLES,
         words="100000, or all states that are given",
-        follows=lambda self, given: self._samples_of(given),
+        follows=lambda self, given: given or (self.states.rows if self.states else 100_000),
     )
     states: GivenStates | None = option(
         Reader(GivenStates.of, "FILE", "Path | str | States | Any"),
@@ -108,9 +108,9 @@ class FromStates(FromDensity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.states is not None and self.samples > self.states.rows:
+            raise InputError(f"samples {self.samples}: states holds {self.states.rows}; leave samples out")
         made = None if self.states is None else self.states.states
-        if self.degrees and made is not None:
-            raise InputError("degrees: is for tables of states, and these are States, in rad; leave it out")
         if made is not None and made.disk != self.disk:
             raise InputError(
                 f"states: made for the disk {made.disk.name!r}, not for {self.disk.name!r}; leave disk out"
@@ -125,13 +125,6 @@ class FromStates(FromDensity):
                     f"{name}: cannot be combined with states, which says what the states are; leave one out"
                 )
         return None
-
-    def _samples_of(self, given: int | None) -> int:
-        if self.states is None:
-            return given or 100_000
-        if given is not None and given > self.states.rows:
-            raise InputError(f"samples {given}: states holds {self.states.rows}; leave samples out")
-        return given or self.states.rows
 
     def blocks(self, index: int) -> Iterator[Block]:
         """The states of a chunk, block by block."""
@@ -193,37 +186,30 @@ BOX_NEAR_F = (
 ETA_HAT = "distance |eta_hat| from the falling set, on both sides, in the units of the disk"
 
 
-class BoxNearF(Box):
+class BoxNearF(ChartBox):
     """Speed towards flat and sigma3 of motions that start at the vertical, at a distance from F."""
 
     @classmethod
-    def default(cls, disk: Disk) -> Self:
-        """Speed towards flat 0.5 to 2, sigma3 -2 to 2, in natural units.
+    def near(cls, disk: Disk, given: Mapping[str, Range]) -> Self:
+        """From ranges by name; by default speed 0.5 to 2 and sigma3 -2 to 2, in natural units.
 
         Slower starts linger at the vertical, where the energy at which a motion compares with its
-        limit is no longer close to its own.
+        limit is no longer close to its own. Raises InputError where the ranges describe no starts near F.
         """
         unit = disk.rate_unit
-        return cls((0.0, 0.0), (0.5 * unit, 2.0 * unit), (-2.0 * unit, 2.0 * unit), (0.0, 0.0))
-
-    @classmethod
-    def of(cls, disk: Disk, ranges: Mapping[str, Range]) -> Self:
-        """The default box with other ranges. Raises InputError where these do not describe starts near F."""
-        for name in ranges:
-            if name not in ("phi", "phidot", "sigma3"):
-                raise InputError(f"box {name}: this scene sets sigma4 by eta_hat; give phidot and sigma3 alone")
-        box = replace(cls.default(disk), **ranges)
-        if box.phi != (0.0, 0.0):
-            raise InputError("box phi: this scene starts at the vertical; leave phi out or give phi=0")
-        if box.phidot[0] < 0.0:
+        box = cls({"phidot": (0.5 * unit, 2.0 * unit), "sigma3": (-2.0 * unit, 2.0 * unit), **given})
+        for name in box.ranges:
+            if name not in ("phidot", "sigma3"):
+                why = "starts at the vertical and sets sigma4 by eta_hat"
+                raise InputError(f"box {name}: this scene {why}; give phidot and sigma3 alone")
+        box.check("box")
+        low, high = box.ranges["phidot"]
+        if low < 0.0:
             raise InputError(
-                f"box phidot = {box.phidot[0]:g}:{box.phidot[1]:g}: this scene takes the speed towards flat, "
-                "used for both faces; give 0 <= LOW"
+                f"box phidot = {low:g}:{high:g}: this scene takes the speed towards flat, used for both faces; "
+                "give 0 <= LOW"
             )
         return box
-
-    def describe(self) -> dict[str, list[float]]:
-        return {name: list(self.ranges[name]) for name in ("phidot", "sigma3")}
 
     def starts(self, random: Stream, count: int) -> dict[str, Array]:
         """`count` starts as `constants_to_states` takes them, but for eta_hat; both faces equally likely."""

@@ -117,7 +117,7 @@ def test_the_demo_runs_again_in_its_own_folder_and_in_no_other(capsys, tmp_path,
     assert "README.md" in printed
     assert "wrong way: 0" in err
     page = (out / "README.md").read_text()
-    pictures = re.findall(r'^<img src="([^"]+)"', page, flags=re.MULTILINE)
+    pictures = re.findall(r'<img src="([^"]+)"', page)
     assert len(pictures) == 13
     assert all((out / picture).is_file() for picture in pictures)
     first = json.loads((out / "race-angles" / "summary.json").read_text())

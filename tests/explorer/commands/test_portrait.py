@@ -1,13 +1,10 @@
 """The command that draws portraits: groups, options, and what it refuses."""
 
+import json
+from pathlib import Path
+
 import pytest
 from told import said
-
-import explorer as ex
-from explorer.commands.portrait import Drawn, portrait
-
-HOOP = ex.Disk.hoop()
-
 
 # The rest is drawn in the tests of its pictures.
 RENDERED = ("phase", "race", "bounces", "paths")
@@ -15,10 +12,12 @@ RENDERED = ("phase", "race", "bounces", "paths")
 
 @pytest.mark.rendered("svg")
 @pytest.mark.parametrize("group", RENDERED)
-def test_each_group_of_pictures_is_one_command(group, tmp_path):
+def test_each_group_of_pictures_is_one_command(group, tmp_path, capsys):
     """The files of points and lines are not so large that a browser would not show them."""
-    written = portrait(Drawn(out=tmp_path / "pictures", disk=HOOP, only=group), {})
-    assert written
+    words = ["--only", group, "--disk", "hoop", "--out", tmp_path / "pictures", "--quiet", "--json"]
+    status, out, _ = said(capsys, "portrait", *words)
+    written = [Path(name) for name in json.loads(out)["files"]]
+    assert (status, bool(written)) == (0, True)
     for path in written:
         assert path.exists()
         assert 5000 < path.with_suffix(".svg").stat().st_size < 5_000_000
@@ -28,8 +27,7 @@ def test_each_group_of_pictures_is_one_command(group, tmp_path):
     ("words", "message"),
     [
         (["--only", "nothing"], "only 'nothing'"),
-        (["--sigma3-bar", "much"], "sigma3_bar = much"),
-        (["--only", "race", "--eta-hat", "1"], "eta_hat: only the group phase"),
+        (["--disk", "hop"], "did you mean 'hoop'"),
     ],
 )
 def test_bad_input_is_named_before_anything_is_written(words, message, tmp_path, capsys):

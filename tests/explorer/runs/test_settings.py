@@ -11,17 +11,17 @@ from explorer.runs.settings import asked
 
 
 def test_keywords_are_those_of_the_scene_and_those_of_the_run():
-    made = asked(Coins, {"samples": 10, "bias": "0.25", "jobs": "3", "format": "PDF,png", "out": None})
-    assert (made.scene.samples, made.scene.bias) == (10, 0.25)
-    assert (made.settings.jobs, made.settings.format, made.settings.out) == (3, ("pdf", "png"), None)
-    assert (made.settings.exist, asked(Coins, {}, exist="error").settings.exist) == ("resume", "error")
+    scene, settings = asked(Coins, {"samples": 10, "bias": "0.25", "jobs": "3", "format": "PDF,png", "out": None})
+    assert (scene.samples, scene.bias) == (10, 0.25)
+    assert (settings.jobs, settings.format, settings.out) == (3, ("pdf", "png"), None)
+    assert (settings.exist, asked(Coins, {"exist": "error"})[1].exist) == ("resume", "error")
 
 
 def test_large_runs_and_those_of_the_command_line_have_a_folder_of_their_own(capsys):
-    assert asked(Coins, {"samples": 10**6}).settings.out is None
+    assert asked(Coins, {"samples": 10**6})[1].out is None
     named = Path("results/coins-uniform-4")
-    for made in (asked(Coins, {"samples": 10**6 + 1, "seed": 4}), asked(Coins, {"seed": 4}, "nearflat run coins")):
-        assert made.settings.out == named
+    for given, command in (({"samples": 10**6 + 1, "seed": 4}, None), ({"seed": 4}, "nearflat run coins")):
+        assert asked(Coins, given, command)[1].out == named
     assert not named.exists()
     assert capsys.readouterr().err == ""  # nothing ran, so nothing is claimed to be there
 
@@ -49,7 +49,7 @@ def test_what_cannot_be_is_refused_before_anything_is_written(given, message, tm
 
 def test_rng_is_a_seed_from_what_numpy_has():
     seeds = [
-        asked(Coins, {"rng": rng}).scene.seed
+        asked(Coins, {"rng": rng})[0].seed
         for rng in (7, np.random.SeedSequence(7), np.random.SeedSequence(7).spawn(1)[0], np.random.default_rng(7))
     ]
     assert seeds[:2] == [7, 7]

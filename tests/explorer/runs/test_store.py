@@ -154,6 +154,6 @@ def test_a_file_that_says_the_same_stays_as_it_is(tmp_path):
     before = path.stat().st_mtime_ns, path.stat().st_ino
     store.write_json(path, {"a": 1})
     assert (path.stat().st_mtime_ns, path.stat().st_ino) == before
-    assert store.read_json(path) == {"a": 1} == json.loads(path.read_text())
+    assert json.loads(path.read_text()) == {"a": 1}
     with pytest.raises(ValueError, match="JSON compliant"):
         store.write_json(path, {"a": float("nan")})

@@ -114,7 +114,6 @@ def test_every_option_is_a_keyword_of_run_described_there_and_a_flag_with_help(n
         ("falling-set", {"box": {"tilt": [0, 1]}}, "box"),
         ("falling-set", {"density": 3}, "cannot be called"),
         ("falling-set", {"gaussian": "phidot=1"}, r"phidot = '1' is not MEAN:DEVIATION, with finite numbers"),
-        ("falling-set", {"theta_min": "none", "method": "rk8"}, "method rk8: is for theta_min"),
         ("measure-zero", {"ladder": "1e-3"}, "ladder = 1e-3 must be LOW:HIGH with 1e-100 <= LOW < HIGH"),
         ("one-sided", {"eta_hat": "1:1e10"}, "eta_hat"),
         ("race-angles", {"eta_hat": "1e-320:1e-310"}, "eta_hat"),

@@ -104,7 +104,7 @@ def test_what_is_no_scene_is_refused(capsys, tmp_path):
     for words, message in (
         (f"{tmp_path}/none.py:Scene", "there is no file"),
         (EXAMPLE.replace("Periods", "Preiods"), "known: Periods"),
-        (EXAMPLE.removesuffix(":Periods"), "name its class too"),
+        (EXAMPLE.removesuffix(":Periods"), "A scene of your own: nearflat run my.py:Scene"),
     ):
         status, _, err = said(capsys, "run", words)
         assert status == 2
@@ -186,8 +186,8 @@ class Coins(SampledScene):
         (
             "tally, columns",
             "seed: float = option(NUMBER, 'x', default=0.5)\n    tally, columns",
-            "",
-            "seed: is a whole number in every scene",
+            ".draw",
+            "TypeError: SeedSequence expects int",
         ),
         (
             "tally, columns",

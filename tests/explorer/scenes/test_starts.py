@@ -125,10 +125,6 @@ def test_a_record_says_that_its_states_were_given_in_python():
         ({"states": GIVEN, "box": "phi=0"}, "cannot be combined with states"),
         ({"states": GIVEN, "gaussian": "phi=0:1"}, "cannot be combined with states"),
         ({"states": GIVEN, "samples": 8}, "holds 7"),
-        (
-            {"states": ex.phi_to_states(ex.Disk.uniform(), 0.1, 0.1, 0.1, 0.1), "degrees": True},
-            "is for tables",
-        ),
         ({"gaussian": "phi=0:1", "box": "phi=0"}, "box has no range for"),
         (
             {"gaussian": "tilt=180:45", "degrees": True},
@@ -184,9 +180,12 @@ def test_what_has_no_tilt_says_where_to_ask():
 
 
 def test_starts_near_f_lie_in_the_box_and_on_both_faces_alike(body):
-    box = BoxNearF.default(body)
+    box = BoxNearF.near(body, {})
     start = box.starts(chunk_stream(1, 0), 4000)
-    for values, span in ((start["face"] * start["phidot"], box.phidot), (start["sigma3_bar"], box.sigma3)):
+    for values, span in (
+        (start["face"] * start["phidot"], box.ranges["phidot"]),
+        (start["sigma3_bar"], box.ranges["sigma3"]),
+    ):
         assert (values >= span[0]).all()
         assert (values <= span[1]).all()
     assert set(start["face"]) == {-1.0, 1.0}
@@ -195,9 +194,9 @@ def test_starts_near_f_lie_in_the_box_and_on_both_faces_alike(body):
 
 def test_only_what_is_given_differs_from_the_default_box_near_f():
     disk = BODIES["coin"]
-    box = BoxNearF.of(disk, {"sigma3": (0.0, 1.0)})
-    assert (box.sigma3, box.phidot) == ((0.0, 1.0), BoxNearF.default(disk).phidot)
-    assert BoxNearF.of(disk, {name: tuple(span) for name, span in box.describe().items()}) == box
+    box = BoxNearF.near(disk, {"sigma3": (0.0, 1.0)})
+    assert box.ranges == BoxNearF.near(disk, {}).ranges | {"sigma3": (0.0, 1.0)}
+    assert BoxNearF.near(disk, {name: tuple(span) for name, span in box.describe().items()}) == box
 
 
 @pytest.mark.parametrize(
@@ -210,7 +209,7 @@ def test_only_what_is_given_differs_from_the_default_box_near_f():
 )
 def test_a_box_that_describes_no_start_near_f_is_refused(ranges, message):
     with pytest.raises(ex.InputError, match=message):
-        BoxNearF.of(BODIES["hoop"], ranges)
+        BoxNearF.near(BODIES["hoop"], ranges)
 
 
 @pytest.mark.parametrize("span", [(0.0, 1.0), (1e-2, 1e-3), (1e-3, 11.0), (1e-310, 1e-3)])
