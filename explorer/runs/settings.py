@@ -75,7 +75,7 @@ class Settings(Making):
     )
     progress: bool = option(
         TRUTH._replace(metavar=None),
-        "False prints nothing; else a bar where a run takes more than two seconds",
+        "False prints nothing; otherwise a bar appears if the run takes over 2 seconds",
         default=True,
     )
     rng: int | None = option(
