@@ -73,7 +73,7 @@ class Passages:
 
     def share(self, method, accuracy):
         found = ex.passages(self.disk, *self.given, method=method, accuracy=accuracy)
-        tried, known = self.samples.compare((found, None), accuracy), self.samples.known
+        tried, known = self.samples.compare((found, None)), self.samples.known
         estimates = found.error_estimate + self.samples.exact.error_estimate
         columns = (tried.errors, estimates, found.ok, tried.wrong_way)
         return share_of(accuracy, *(column[known] for column in columns))
@@ -101,7 +101,7 @@ class Motions:
     def share(self, method, accuracy):
         how = {"observables": IN_TIME, "method": method, "accuracy": accuracy}
         found = [self.follow(states, times, **how) for states, times in self.samples.groups]
-        tried = self.samples.compare(found, accuracy)
+        tried = self.samples.compare(found)
         estimates, ok = (np.concatenate([getattr(m, name) for m in found]) for name in ("error_estimate", "ok"))
         columns = (tried.errors, estimates, ok, tried.wrong_way, self.passages)
         return share_of(accuracy, *(column[self.known] for column in columns))

@@ -23,7 +23,8 @@ from explorer.motion.calibration import setting_for
 ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH = "algebra", "quadrature", "reduced", "angles", "path"
 LEVELS = (ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH)
 FIXED, ADAPTIVE = {"rk4": 4, "rk8": 8}, ("dopri5", "dop853")  # fixed steps with their orders
-METHODS = ("auto", *FIXED, *ADAPTIVE, "quadrature")
+INTEGRATORS = (*FIXED, *ADAPTIVE)
+METHODS = ("auto", *INTEGRATORS, "quadrature")
 
 _OF_LEVEL = {
     ALGEBRA: ("constants", "face", "distance", "could_fall"),
@@ -39,7 +40,7 @@ _INTEGRATED = {"theta_min": REDUCED}
 
 LOOSEST = 1e-1
 # A passage's rounding is about 1e-13; an integrator's errors of rounding add up over its steps.
-TIGHTEST = {"quadrature": 1e-13, **dict.fromkeys((*FIXED, *ADAPTIVE), 1e-11)}
+TIGHTEST = {"quadrature": 1e-13, **dict.fromkeys(INTEGRATORS, 1e-11)}
 
 # Tolerances below some units in the last place of a number of order 1 only shorten the steps.
 _TOLERANCE_FLOOR = 1e-15

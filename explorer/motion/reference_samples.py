@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from explorer.motion.compare import apart
 from explorer.motion.passages import OBSERVABLES as OF_PASSAGES
 from explorer.motion.passages import Passages, passages_by, reference_passages
-from explorer.motion.plan import TIGHTEST, Plan, plan
+from explorer.motion.plan import INTEGRATORS, Plan, plan
 from explorer.motion.trajectories import Trajectories, trajectories_by
 from explorer.motion.vertical import VerticalStarts
 from explorer.phase.disk import Disk
@@ -23,8 +23,6 @@ _FINEST = 0.04  # step of rk8: no setting that is tried
 RACING = 0.1
 # Median duration of a passage as race-angles draws them (natural units), and times at which motions are compared.
 _PASSAGE, _TIMES = 2.5, 8
-# Settings are tried at this accuracy: errors are what is measured, so no sample is refused for its own.
-ANY_ERROR = 1.0
 
 
 class Tried(NamedTuple):
@@ -40,26 +38,11 @@ class Tried(NamedTuple):
     steps: NDArray[np.int32] | None
 
 
-class Samples:
-    """Samples with their true answers, on which a method is tried: `compare` with these what `call` returns.
-
-    kind: what they are. unit: what a cost is the cost of. error: what the error is, in words. in_time: whether
-    they are motions in time, so that quadrature gives no answer.
-    """
-
-    kind: ClassVar[str]
-    unit: ClassVar[str]
-    error: ClassVar[str]
-    observables: ClassVar[tuple[str, ...]]
-    in_time: ClassVar[bool] = False
-
-    def plan(self, method: str, accuracy: float, setting: float | None = None) -> Plan:
-        """How they are computed by a method, at an accuracy or at a setting."""
-        asked = plan(self.observables, TIGHTEST["rk4"] if accuracy == ANY_ERROR else accuracy, method)
-        return replace(asked, accuracy=accuracy, setting=setting)
+# Both classes have the same attributes. kind: what the samples are. unit: what a cost is the cost of. error: what
+# the error is, in words. observables: what is asked of a plan for them. methods: those that answer.
 
 
-class ReferencePassages(Samples):
+class ReferencePassages:
     """Passages from starts at the vertical, as `passages` computes them."""
 
     kind = "passages"
@@ -68,6 +51,7 @@ class ReferencePassages(Samples):
         "the largest of the errors of race angle, delta chi, delta psi (rad), duration and theta_min (relative)"
     )
     observables = OF_PASSAGES
+    methods = ("quadrature", *INTEGRATORS)
 
     def __init__(self, disk: Disk, starts: VerticalStarts) -> None:
         self.disk, self.starts = disk, starts
@@ -86,16 +70,14 @@ class ReferencePassages(Samples):
         """What users or scenes call, by a plan; this is what is timed."""
         return passages_by(self.disk, self.starts, how)
 
-    def compare(self, found: Any, accuracy: float) -> Tried:
-        """What `call` returned beside the true answers; ANY_ERROR: only what the integrator itself gives."""
+    def compare(self, found: Any) -> Tried:
+        """What `call` returned beside the true answers."""
         (made, steps), exact = found, self.exact
-        # The fall is found to the accuracy asked, by whatever method the passage is.
-        names = OF_PASSAGES if accuracy < ANY_ERROR else [name for name in OF_PASSAGES if name != "race_angle"]
-        differences = [apart(name, getattr(made, name), getattr(exact, name)) for name in names]
+        differences = [apart(name, getattr(made, name), getattr(exact, name)) for name in OF_PASSAGES]
         return Tried(np.max(differences, axis=0), made.status, made.wrong_way, steps)
 
 
-class ReferenceMotions(Samples):
+class ReferenceMotions:
     """Motions in time, as `simulate` follows them: some states of a disk at times of their own, group by group."""
 
     kind = "motions"
@@ -104,7 +86,7 @@ class ReferenceMotions(Samples):
         "the largest of the errors of phi, chi, psi (rad) and path (r), at times at which the disk does not race"
     )
     observables = IN_TIME
-    in_time = True
+    methods = INTEGRATORS
 
     def __init__(self, groups: Sequence[tuple[States, Array]]) -> None:
         self.groups = groups
@@ -112,7 +94,7 @@ class ReferenceMotions(Samples):
     @cached_property
     def exact(self) -> list[Trajectories]:
         """The motions by far finer steps."""
-        return self.call(self.plan("rk8", ANY_ERROR, _FINEST))
+        return self.call(replace(plan(IN_TIME, method="rk8"), setting=_FINEST))
 
     @property
     def known(self) -> NDArray[np.bool_]:
@@ -123,7 +105,7 @@ class ReferenceMotions(Samples):
         """What users or scenes call, by a plan; this is what is timed."""
         return [trajectories_by(states, how, times, IN_TIME) for states, times in self.groups]
 
-    def compare(self, found: Any, accuracy: float) -> Tried:
+    def compare(self, found: Any) -> Tried:
         """What `call` returned beside the true answers."""
         errors, turned = list[Array](), list[NDArray[np.bool_]]()
         for (states, _), made, exact in zip(self.groups, found, self.exact, strict=True):
