@@ -29,8 +29,6 @@ class RunPlan:
     model, method, reason : str
         What is computed to get the observables (as in `Passages`, or 'algebra': constants of motion alone), by
         which method, and why.
-    cost : str
-        Work per sample in words.
     estimate : Estimate
         Time (s), memory and storage (bytes) that the run needs without pictures, measured on a few chunks.
 
@@ -48,7 +46,6 @@ class RunPlan:
     model: str
     method: str
     reason: str
-    cost: str
     estimate: Estimate
 
     def __str__(self) -> str:
@@ -69,10 +66,10 @@ class RunPlan:
 def planned(made: RunRequest) -> RunPlan:
     """How the run that was asked for would be computed."""
     scene, chosen = made.scene, made.scene.plan
-    how = chosen.level, chosen.method, chosen.reason, chosen.cost
+    how = chosen.level, chosen.method, chosen.reason
     if not scene.observables:  # a user's scene need not say what it computes
         own = "that of the scene, which names no observables"
-        how = own, scene.method, own, "as measured"
+        how = own, scene.method, own
     return RunPlan(scene.name, list(scene.observables), scene.accuracy, *how, estimate(made))
 
 

@@ -103,18 +103,6 @@ class Plan:
         """A step, or a tolerance that rounding does not refuse."""
         return np.fmax(setting, 0.0 if self.method in FIXED else _TOLERANCE_FLOOR)
 
-    @property
-    def cost(self) -> str:
-        """Expected work per sample in words."""
-        if self.level == ALGEBRA:
-            return "one evaluation of Chaplygin's solutions per sample"
-        if self.method == "quadrature":
-            return "about a microsecond per passage, the same at every distance from F"
-        return (
-            "some microseconds per passage in lanes, more near F, like the logarithm of the distance; several "
-            "times that for motions in time"
-        )
-
 
 def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto") -> Plan:
     """The lowest level and the cheapest method that give `observables` to `accuracy`.
