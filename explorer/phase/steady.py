@@ -117,7 +117,7 @@ def steady_motions(
     if flag("degrees", degrees):
         angle, rate = np.radians(angle), np.radians(rate)
     else:
-        warn_of_degrees(angle)
+        warn_of_degrees(angle, 3)
     b, unit, code = disk.body, disk.rate_unit, compiled.status.Status
     with np.errstate(all="ignore"):
         phi, turn = down * (0.5 * np.pi - angle), rate / unit
