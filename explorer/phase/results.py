@@ -75,17 +75,28 @@ class Table:
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
         """All arrays by name, the arguments first."""
-        return self._arrays()
+        states = getattr(self, "states", None)
+        names = COORDINATES if states is not None else ()
+        return {name: self._of_each_state(getattr(states, name)) for name in names} | self._arrays()
 
-    def _chosen(self, rows: Any) -> tuple[dict[str, NDArray[Any]], Any]:
-        """Arrays of some samples, chosen as entries of an array of this shape are, and the states of these."""
+    def _of_each_state(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Values of the states, one for each entry of the arrays.
+
+        What follows a state has its axes first and may have more, for its bounces for instance.
+        """
+        shape = getattr(self, "states", self).shape
+        more = (1,) * (len(self.shape) - len(shape))
+        return np.broadcast_to(values.reshape(*shape, *more), self.shape)
+
+    def _chosen(self, rows: Any) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+        """Arrays of some samples, chosen as entries of an array of this shape are; and their `states`."""
         places = np.atleast_1d(np.arange(self.size).reshape(self.shape)[rows])
         flat = {name: v.reshape(self.size, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
-        states = getattr(self, "states", None)
-        if states is not None:
-            each = states.at(places.ravel() // max(self.size // max(len(states), 1), 1))
-            states = replace(each, shape=places.shape)
-        return {name: values[places] for name, values in flat.items()}, states
+        arrays, states = {name: values[places] for name, values in flat.items()}, getattr(self, "states", None)
+        if states is None:
+            return arrays, {}
+        each = states.at(places.ravel() // max(self.size // max(len(states), 1), 1))
+        return arrays, {"states": replace(each, shape=places.shape)}
 
     def _flat(self) -> dict[str, NDArray[Any]]:
         """Columns with one entry for each sample; a vector becomes several, `path` path_x, path_y and path_z."""
@@ -177,27 +188,7 @@ class Result(WithStatus, Table):
     def __getitem__(self, rows: Any) -> Self:
         """Some of the samples, chosen as entries of an array of this shape are: by a number, a slice or a mask."""
         arrays, states = self._chosen(rows)
-        if states is None:
-            return replace(self, **arrays)  # type: ignore[type-var]
-        return replace(self, **arrays, states=states)  # type: ignore[type-var]
-
-    @property
-    def columns(self) -> dict[str, NDArray[Any]]:
-        """All arrays by name, the arguments first."""
-        states = getattr(self, "states", None)
-        if states is None:
-            return self._arrays()
-        given = {name: self._of_each_state(np.asarray(getattr(states, name))) for name in COORDINATES}
-        return {**given, **self._arrays()}
-
-    def _of_each_state(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Values of the states, one for each entry of the arrays.
-
-        What follows a state has its axes first and may have more, for its bounces for instance.
-        """
-        shape = getattr(self, "states", self).shape
-        more = (1,) * (len(self.shape) - len(shape))
-        return np.broadcast_to(values.reshape(*shape, *more), self.shape)
+        return replace(self, **arrays, **states)  # type: ignore[type-var]
 
     def reshaped(self, shape: tuple[int, ...]) -> Self:
         """The same result with arrays of another shape."""
