@@ -145,8 +145,7 @@ class LimitMotion:
         if not ((times >= 0.0) & (times <= last)).all():
             raise InputError(f"t = {shown(t)}: give times from 0 to {last:g}, that of {_MOST_IMPACTS:g} impacts")
         start = self._unfold(np.array([self._offset]))
-        unfolded = self._unfold(np.ravel(times) * disk.rate_unit + self._offset)
-        at = Moving(**{name: row.reshape(times.shape) for name, row in unfolded._asdict().items()})
+        at = self._unfold(times * disk.rate_unit + self._offset)
         z, sigma4, phidot, turn, q = face * at.z, face * at.sigma4, -face * at.thetadot, at.turn, at.q
         chi, psi = at.chi - start.chi[0], face * (at.psi - start.psi[0])
         centre, away = face * (at.centre - start.centre[0]) * np.exp(-1j * start.chi[0]), np.exp(1j * chi)

@@ -180,7 +180,7 @@ class Rise:
 
     def at(self, time: Array) -> Moving:
         """The rise at times since flat, 0 <= time <= half."""
-        out = Moving(*(np.empty(time.size, kind) for kind in (7 * "d" + "D")))
+        out = Moving(*(np.empty(time.shape, kind) for kind in (7 * "d" + "D")))
         number = np.searchsorted(self._starts, time, side="right") - 1
         for each in np.unique(number):
             (stretch, (when, *others)), here = self._pieces[each], number == each
