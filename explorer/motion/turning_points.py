@@ -10,7 +10,7 @@ from explorer import compiled
 from explorer.motion import integration, precision
 from explorer.motion.orbits import KERNELS, ends_of, smallest, tilts_on
 from explorer.motion.plan import Plan
-from explorer.motion.starts import arc_starts_of, face_of, status_at_start
+from explorer.motion.starts import arc_starts, face_of, status_at_start
 from explorer.phase.lines import rows_of
 from explorer.phase.states import Array, States
 
@@ -122,7 +122,7 @@ def smallest_tilts(
         status[status == code.OK] = code.STEP_LIMIT
     theta, falls = np.full(status.shape, np.nan), status == code.FALLS
     rows = np.flatnonzero((status == code.OK) | falls)
-    motions = rows_of(arc_starts_of(states, own), rows)
+    motions = rows_of(arc_starts(states.disk, states.rows, states.motion, own > 0.0), rows)
     ends = ends_of(states.disk, motions)
     # The first approach may be on the other face than the one that is nearer to F. A pendulum falls on both.
     pendulum = falls & (states.motion.eta_plus == states.motion.eta_minus)
