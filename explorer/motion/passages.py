@@ -168,7 +168,7 @@ def passages(
     array([ 7.0248, -7.0248,  7.0248])
     """
     how = plan(OBSERVABLES, accuracy, method)
-    columns, shape = read_columns({"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot, "face": face})
+    columns, shape = read_columns(sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, face=face)
     edge, starts = _edge_of(window, how.method), starts_at_vertical(disk, *columns)
     # Threads that nobody waits for any more, after Ctrl-C, do no more than this many at a time.
     rows, some = starts.status.size, None if jobs_of("jobs", jobs) == 1 else 64 * BLOCK

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, number, shown, whole
+from explorer.errors import InputError, number, whole
 from explorer.motion.periods import periods
 from explorer.motion.trajectories import simulate
+from explorer.phase.arguments import read_pair
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.states import Array, States, columns_of, constants_to_states, require_states
+from explorer.phase.states import Array, States, constants_to_states, require_states
 
 # Errors of chi per period add up over the periods of a path: 1e-9 leaves 1e-5 rad after the most of them.
 _ACCURACY = 1e-9
@@ -159,10 +160,7 @@ def resonance(
     require_axial_inertia(disk)
     eta_hat, phidot = number("eta_hat", eta_hat), number("phidot", phidot)
     whole_turns = whole("turns", turns, -_MOST_TURNS, _MOST_TURNS)
-    ends = columns_of(between=between)[0]
-    if ends.size != 2:
-        raise InputError(f"resonance: between = {shown(between)}: give two numbers")
-    low, high = float(ends[0]), float(ends[1])
+    low, high = read_pair("between", between, "two numbers")
     first, last = excess(low), excess(high)
     if first * last > 0.0:
         raise InputError(

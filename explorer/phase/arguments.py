@@ -19,17 +19,12 @@ Array = NDArray[np.float64]
 _LARGEST_TABLE = 10**9  # entries to which arguments may broadcast: 8 GB for each column
 
 
-def columns_of(**named: ArrayLike) -> list[Array]:
-    """The arguments as new flat columns of one length. InputError names what is not a number or does not fit."""
-    return read_columns(named)[0]
-
-
-def read_columns(named: dict[str, ArrayLike]) -> tuple[list[Array], tuple[int, ...]]:
+def read_columns(**named: ArrayLike) -> tuple[list[Array], tuple[int, ...]]:
     """Read arrays of numbers that belong together.
 
     Parameters
     ----------
-    named : dict of str to array_like
+    **named : array_like
         Arguments by name, as this module describes them.
 
     Returns

@@ -17,11 +17,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from explorer.errors import one_of
+from explorer.phase.arguments import read_columns
 from explorer.phase.constants import constants_of
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import well
 from explorer.phase.potential import DEGENERATE, Potential, potential
-from explorer.phase.states import Array, columns_of
+from explorer.phase.states import Array
 from explorer.phase.steady import circular_rolling, steady_motions
 
 _CIRCLE = 0.25 * math.pi, 2.0  # lean (rad) and radius (radii of the disk) at which `thresholds` rolls
@@ -34,7 +35,7 @@ def stability_edges(disk: Disk, phi: ArrayLike) -> Array:
     one is the threshold of spinning upright; the slower one goes to zero there, to that of straight rolling.
     """
     require_axial_inertia(disk)
-    (angle,) = columns_of(phi=phi)
+    (angle,), _ = read_columns(phi=phi)
     b, q, z = disk.body, np.cos(angle), np.sin(angle)
     # Coefficients of the quadratic, highest power first.
     two = b.M * q * q + z * z * b.I1 * (2.0 - b.I3 / b.J)
@@ -168,7 +169,7 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
     """
     require_axial_inertia(disk)
     one_of("path", path, PATHS)
-    (values,) = columns_of(parameter=parameter)
+    (values,), _ = read_columns(parameter=parameter)
     # The potential is quadratic in the constants of a path, the same where both change their signs.
     steady = cache(lambda size: [at for at in PATHS[path](disk, size).equilibria if at.kind != DEGENERATE])
     rows = [(value, steady(abs(float(value)))) for value in values]

@@ -99,8 +99,8 @@ def from_rates(
 
     A disk whose tilt_rate is not said is at the highest or the lowest point of its motion.
     """
-    given = {"tilt": tilt, "tilt_rate": tilt_rate, "precession": precession, "spin": spin, "face": face}
-    (angle, rate, turn, own, down), shape = read_columns(given)
+    columns, shape = read_columns(tilt=tilt, tilt_rate=tilt_rate, precession=precession, spin=spin, face=face)
+    angle, rate, turn, own, down = columns
     with np.errstate(all="ignore"):
         sigma3 = np.sin(angle) ** 2 * turn
     return replace(theta_to_states(disk, angle, rate, sigma3, own, down), shape=shape)
@@ -177,7 +177,7 @@ def _from_constants(disk: Disk, **given: ArrayLike) -> States:
     speed = "energy" if "energy" in given else "phidot"
     given = {"phi": 0.0, "face": 1, **given}
     (phi, rate, first, second, face), shape = read_columns(
-        {name: given[name] for name in ("phi", speed, *spins, "face")}
+        **{name: given[name] for name in ("phi", speed, *spins, "face")}
     )
     inside = np.isfinite(phi) & (abs(phi) < 0.5 * np.pi) & (abs(face) == 1.0)
     motion = None

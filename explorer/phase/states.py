@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, shown
-from explorer.phase.arguments import columns_of as columns_of
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
 from explorer.phase.disk import Array as Array
@@ -210,8 +209,7 @@ def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLi
     array([1., 2., 3.])
     """
     require_disk(disk)
-    given = {"phi": phi, "phidot": phidot, "sigma3": sigma3, "sigma4": sigma4}
-    (tilt, rate, s3, s4), shape = read_columns(given)
+    (tilt, rate, s3, s4), shape = read_columns(phi=phi, phidot=phidot, sigma3=sigma3, sigma4=sigma4)
     angle = np.where(np.isfinite(tilt), tilt, np.pi)
     with np.errstate(all="ignore"):
         if angle.size and (angle == angle[0]).all():
@@ -259,13 +257,13 @@ def theta_to_states(
     array([1.e-200, 1.e+000, 5.e-001])
     """
     require_disk(disk)
-    given = {"theta": theta, "thetadot": thetadot, "sigma3": sigma3, "sigma4": sigma4, "face": face}
-    (tilt, rate, s3, s4, s), shape = read_columns(given)
+    columns, shape = read_columns(theta=theta, thetadot=thetadot, sigma3=sigma3, sigma4=sigma4, face=face)
+    tilt, rate, s3, s4, s = columns
     good = (tilt > 0.0) & (tilt < np.pi) & (abs(s) == 1.0)
     tilt, s = np.where(good, tilt, 1.0), np.where(good, s, 1.0)
     with np.errstate(all="ignore"):
-        columns = np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4
-    return _states(disk, columns, good, shape)
+        seen = np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4
+    return _states(disk, seen, good, shape)
 
 
 def constants_to_states(
@@ -306,8 +304,8 @@ def constants_to_states(
     array([1.e+000, 1.e-297])
     """
     slope = line_slope(disk)
-    given = {"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot, "face": face}
-    (s3, distance, rate, s), shape = read_columns(given)
+    columns, shape = read_columns(sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, face=face)
+    s3, distance, rate, s = columns
     with np.errstate(all="ignore"):
         s4 = s * (slope * s3 - distance)
         motion = motion_given(disk, s3 / disk.rate_unit, distance / disk.rate_unit, s > 0.0)

@@ -113,7 +113,7 @@ def steady_motions(
     True
     """
     require_axial_inertia(disk)
-    (angle, rate, down), shape = read_columns({"tilt": tilt, "precession": precession, "face": face})
+    (angle, rate, down), shape = read_columns(tilt=tilt, precession=precession, face=face)
     if flag("degrees", degrees):
         angle, rate = np.radians(angle), np.radians(rate)
     else:
