@@ -23,7 +23,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer import compiled
 from explorer.errors import InputError
 from explorer.measure.box_integrals import (
     NODES,
@@ -37,7 +36,7 @@ from explorer.measure.box_integrals import (
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, Range
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.falling_set import barrier, well
+from explorer.phase.falling_set import barrier, critical_X2, well
 from explorer.phase.lines import line_chart
 from explorer.phase.results import Table
 from explorer.phase.roots import changes_of_sign, roots_among
@@ -305,10 +304,9 @@ class LineIntegral:
         """
         if not (phi < 0.0).all():
             return []
-        disk, critical = self.of.disk, np.empty(phi.size)
+        disk = self.of.disk
         bend, largest = well(disk)
-        compiled.falling.critical_X2_batch(np.minimum(phi, -1e-12), disk.natural, critical)
-        own = np.sqrt(np.maximum(critical, 0.0)) * disk.body.r0
+        own = np.sqrt(np.maximum(critical_X2(disk, np.minimum(phi, -1e-12)), 0.0)) * disk.body.r0
         most = np.where(phi < bend, largest, np.minimum(own, largest))
         spent = np.array([0.0, *self._spent])[:, None]
 

@@ -10,7 +10,7 @@ import math
 import warnings
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -164,10 +164,9 @@ def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
     Eqs (3.5), (6.2) and (2.19) of Cushman & Duistermaat (2006).
     """
     require_disk(disk)
-    given: dict[str, Any] = dict(coordinates)
-    if not {"theta", "tilt"} & given.keys():
-        given.setdefault("phi", 0.0)
-    chart, values = chart_of("coordinates", given, 0.0)
+    if not {"theta", "tilt"} & coordinates.keys():
+        coordinates.setdefault("phi", 0.0)
+    chart, values = chart_of("coordinates", coordinates, 0.0)
     return chart.states(disk, values)
 
 

@@ -234,12 +234,7 @@ class Potential:
 
     def _term(self, name: str, value: float = 0.0) -> Callable[[Array], Array]:
         """A term, less a value, as a function of y."""
-
-        def excess(y: Array) -> Array:
-            above: Array = getattr(self.at_y(y), name).reshape(y.shape) - value
-            return above
-
-        return excess
+        return lambda y: getattr(self.at_y(y), name).reshape(y.shape) - value
 
     def _equilibrium(self, y: float) -> Equilibrium:
         V, _, curved, size, _ = (float(values[0]) for values in self.at_y(y))
