@@ -47,6 +47,14 @@ class WithStatus:
         return ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "none"
 
 
+def require_ok(found: WithStatus, what: str) -> None:
+    """Raise InputError where a sample is not ok: `what`, and the sentence and the remedy of the first status."""
+    failed = found.status[~found.ok]
+    if failed.size:
+        code = Status(int(failed[0]))
+        raise InputError(f"{what}: {code.sentence} {code.remedy}")
+
+
 class Table:
     """Base class of what has columns and no statuses: a dataclass of arrays, or of numbers."""
 
