@@ -1,6 +1,5 @@
 """Samples whose answers are known, on which any method can be tried at any setting: passages and motions."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
@@ -78,7 +77,7 @@ class ReferencePassages:
 
 
 class ReferenceMotions:
-    """Motions in time, as `simulate` follows them: some states of a disk at times of their own, group by group."""
+    """Motions in time, as `simulate` follows them: states of a disk at given times."""
 
     kind = "motions"
     unit = "motion"
@@ -88,36 +87,34 @@ class ReferenceMotions:
     observables = IN_TIME
     methods = INTEGRATORS
 
-    def __init__(self, groups: Sequence[tuple[States, Array]]) -> None:
-        self.groups = groups
+    def __init__(self, states: States, times: Array) -> None:
+        self.states, self.times = states, times
 
     @cached_property
-    def exact(self) -> list[Trajectories]:
+    def exact(self) -> Trajectories:
         """The motions by far finer steps."""
         return self.call(replace(plan(IN_TIME, method="rk8"), setting=_FINEST))
 
     @property
     def known(self) -> NDArray[np.bool_]:
         """Samples whose true answer is known."""
-        return np.concatenate([motion.ok for motion in self.exact])
+        return self.exact.ok
 
-    def call(self, how: Plan) -> list[Trajectories]:
+    def call(self, how: Plan) -> Trajectories:
         """What users or scenes call, by a plan; this is what is timed."""
-        return [trajectories_by(states, how, times, IN_TIME) for states, times in self.groups]
+        return trajectories_by(self.states, how, self.times, IN_TIME)
 
     def compare(self, found: Any) -> Tried:
         """What `call` returned beside the true answers."""
-        errors, turned = list[Array](), list[NDArray[np.bool_]]()
-        for (states, _), made, exact in zip(self.groups, found, self.exact, strict=True):
-            away = {name: abs(getattr(made, name) - getattr(exact, name)) for name in IN_TIME}
-            away["path"] = np.linalg.norm(away["path"], axis=-1) / states.disk.r
-            assert exact.phi is not None
-            racing = 0.5 * np.pi - abs(exact.phi) < RACING
-            far = np.where(racing, np.nan, np.stack(list(away.values())))
-            errors.append(np.where(made.ok, np.nanmax(far, axis=(0, 2), initial=0.0), np.nan))
-            turned.append(made.ok & (np.nanmax(far[1], axis=1, initial=0.0) > states.disk.race_limit))
-        status, steps = ([getattr(made, name) for made in found] for name in ("status", "steps"))
-        return Tried(*map(np.concatenate, (errors, status, turned, steps)))
+        disk, exact = self.states.disk, self.exact
+        away = {name: abs(getattr(found, name) - getattr(exact, name)) for name in IN_TIME}
+        away["path"] = np.linalg.norm(away["path"], axis=-1) / disk.r
+        assert exact.phi is not None
+        racing = 0.5 * np.pi - abs(exact.phi) < RACING
+        far = np.where(racing, np.nan, np.stack(list(away.values())))
+        errors = np.where(found.ok, np.nanmax(far, axis=(0, 2), initial=0.0), np.nan)
+        turned = found.ok & (np.nanmax(far[1], axis=1, initial=0.0) > disk.race_limit)
+        return Tried(errors, found.status, turned, found.steps)
 
 
 ReferenceSamples: TypeAlias = ReferencePassages | ReferenceMotions
@@ -126,4 +123,4 @@ ReferenceSamples: TypeAlias = ReferencePassages | ReferenceMotions
 def through_time(states: States, t_end: float | None) -> ReferenceMotions:
     """Motions from states of one disk up to `t_end`, by default about as long as a passage takes."""
     last = _PASSAGE * states.disk.time_unit if t_end is None else t_end
-    return ReferenceMotions([(states, last * np.arange(1, _TIMES + 1) / _TIMES)])
+    return ReferenceMotions(states, last * np.arange(1, _TIMES + 1) / _TIMES)

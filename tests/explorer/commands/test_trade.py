@@ -20,8 +20,7 @@ def test_passages_of_a_trade_are_those_of_the_run():
     assert np.array_equal(found.eta_hat, run["eta_hat"])
     assert np.array_equal(found.face * found.phidot, run["phidot"])
     assert np.array_equal(found.race_angle, run["race_angle"])
-    ((states, _),) = motions.groups
-    np.testing.assert_allclose(ex.constants(states).sigma3_bar, run["sigma3_bar"][:5], rtol=1e-12)
+    np.testing.assert_allclose(ex.constants(motions.states).sigma3_bar, run["sigma3_bar"][:5], rtol=1e-12)
 
 
 def test_passages_at_all_distances_are_measured_unless_it_is_said():

@@ -56,8 +56,8 @@ def test_a_passage_on_the_other_side_is_on_the_wrong_way(start):
 def test_motions_are_those_of_the_public_call(start):
     states = constants_to_states(DISK, *start)
     samples = through_time(states, 2.0)
-    (found,) = samples.call(plan(samples.observables, 1e-6, "dopri5"))
-    called = trajectories(states, t_eval=samples.groups[0][1], observables=IN_TIME, method="dopri5", accuracy=1e-6)
+    found = samples.call(plan(samples.observables, 1e-6, "dopri5"))
+    called = trajectories(states, t_eval=samples.times, observables=IN_TIME, method="dopri5", accuracy=1e-6)
     assert np.array_equal(found.chi, called.chi)
     assert np.array_equal(found.path, called.path)
 
@@ -66,9 +66,9 @@ def test_the_truth_of_motions_is_that_of_passages_where_the_time_is_one(start):
     exact = passages(DISK, *start, accuracy=1e-11)
     for i in range(6):
         states = constants_to_states(DISK, *(column[i : i + 1] for column in start))
-        samples = ReferenceMotions([(states, exact.duration[i : i + 1])])
-        assert samples.exact[0].chi[0, 0] == pytest.approx(exact.delta_chi[i], abs=1e-11)
-        assert samples.exact[0].psi[0, 0] == pytest.approx(exact.delta_psi[i], abs=1e-11)
+        samples = ReferenceMotions(states, exact.duration[i : i + 1])
+        assert samples.exact.chi[0, 0] == pytest.approx(exact.delta_chi[i], abs=1e-11)
+        assert samples.exact.psi[0, 0] == pytest.approx(exact.delta_psi[i], abs=1e-11)
 
 
 def test_a_motion_on_the_other_side_is_counted_and_races_are_left_out(start):
@@ -77,11 +77,11 @@ def test_a_motion_on_the_other_side_is_counted_and_races_are_left_out(start):
     other = through_time(constants_to_states(DISK, sigma3_bar, -eta_hat, speed, face), 2.5)
     how = plan(samples.observables, 1e-6, "rk8")
     assert not samples.compare(samples.call(how)).wrong_way.any()
-    crossed = samples.exact[0].phi.min(axis=1) < 0.0  # those that have been near flat and come back
+    crossed = samples.exact.phi.min(axis=1) < 0.0  # those that have been near flat and come back
     near = abs(eta_hat) < 1e-3
     assert samples.compare(other.call(how)).wrong_way[near & crossed].all()
     assert (near & crossed).any()
     racing = ReferenceMotions(
-        [(constants_to_states(DISK, 1.0, 1e-6, 1.0), passages(DISK, 1.0, 1e-6, 1.0).duration / 2.0)]
+        constants_to_states(DISK, 1.0, 1e-6, 1.0), passages(DISK, 1.0, 1e-6, 1.0).duration / 2.0
     )
     assert racing.compare(racing.call(how)).errors == [0.0]
