@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer.errors import InputError, number, shown, sign
-from explorer.motion.rise import KERNELS as RISE
+from explorer.motion.orbits import WITH_PLACES
 from explorer.motion.rise import Moving, Rise
 from explorer.motion.starts import ArcStarts, arc_starts
 from explorer.phase import falling_set
@@ -26,7 +26,7 @@ from explorer.phase.lines import line_chart, motion_given
 from explorer.phase.results import Table
 from explorer.phase.states import Array, Rows, States, require_states
 
-KERNELS = *falling_set.KERNELS, *RISE, "falling.line_chart_batch"  # for `compiled.warmup`
+KERNELS = *falling_set.KERNELS, *WITH_PLACES, "falling.line_chart_batch"  # for `compiled.warmup`
 _HALF_PI = 0.5 * np.pi
 _MOST_IMPACTS = 1e8  # their times take 0.8 GB, and a double has 8 digits left for the place between two
 # Of sigma3_bar over the energy: below, the rate of the race overflows, and no double tells the race from a jump.

@@ -70,12 +70,6 @@ class Plan:
         return f"engine.{self.method}_{self.level}"
 
     @property
-    def motions(self) -> tuple[str, ...]:
-        """The names of the kernels that follow motions to given times."""
-        found = (f"turning_points.{what}_batch" for what in ("orbit", "inward", "point"))
-        return "algebra.constants_batch", *found, self.in_time.kernel
-
-    @property
     def in_time(self) -> "Plan":
         """The same for motions in time, which is carried from the angles on."""
         return replace(self, level=ANGLES) if self.level == REDUCED else self

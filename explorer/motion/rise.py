@@ -22,8 +22,6 @@ from explorer.phase.disk import Disk
 from explorer.phase.lines import rows_of
 from explorer.phase.states import Array
 
-# For `compiled.warmup`
-KERNELS = "turning_points.inward_batch", "turning_points.orbit_batch", "turning_points.point_batch"
 Place: TypeAlias = "compiled.turning_points.Place[Array]"
 _NODES = 32  # of a piece
 # What the last coefficients of a piece may leave of its series; the last are so many.
