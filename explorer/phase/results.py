@@ -121,13 +121,7 @@ class Table:
 
     def to_pandas(self) -> "pd.DataFrame":
         """A DataFrame with one row for each sample, in the order of flattened arrays; status by name."""
-        import pandas as pd
-
-        columns = self._flat()
-        frame = pd.DataFrame(columns)
-        if "status" in columns:
-            frame["status"] = pd.Categorical(status_names(columns["status"]), _names())
-        return frame
+        return self.to_arrow().to_pandas()
 
     def to_arrow(self) -> "pa.Table":
         """An Arrow table as `to_pandas`; each field says its meaning, unit and equation in its metadata."""
