@@ -39,7 +39,7 @@ class WithStatus:
     @property
     def status_names(self) -> NDArray[np.str_]:
         """The status of each sample as a word, such as 'ok' or 'falls'."""
-        return status_names(self.status)
+        return np.asarray(np.array(_names())[self.status])
 
     def _counted(self) -> str:
         """How many samples have each status, in words."""
@@ -247,11 +247,6 @@ def _spread(values: NDArray[Any]) -> str:
 @cache
 def _names() -> list[str]:
     return [code.name.lower() for code in Status]
-
-
-def status_names(codes: NDArray[Any]) -> NDArray[np.str_]:
-    """Statuses as words."""
-    return np.asarray(np.array(_names())[codes])
 
 
 def status_codes(names: NDArray[Any]) -> NDArray[np.int8]:
