@@ -26,7 +26,6 @@ from numpy.typing import NDArray
 from explorer.errors import InputError
 from explorer.measure.box_integrals import (
     NODES,
-    TOLERANCE,
     Integral,
     Integrator,
     between_energies,
@@ -148,8 +147,8 @@ def falling_constant(
     return constant_of(disk, Density.of(disk, box, energy, gaussian, density))
 
 
-def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> FallingConstant:
-    """As falling_constant, of a Density; tolerance: relative error to try for."""
+def constant_of(disk: Disk, density: Density) -> FallingConstant:
+    """As falling_constant, of a Density."""
     if not (density.free("sigma3") or density.free("sigma4")):
         raise InputError(
             "box: sigma3 and sigma4 are both fixed, so the falling set is met at single tilts or not at all; give "
@@ -157,7 +156,7 @@ def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> F
         )
     # What overflows is refused by what comes of it.
     with np.errstate(over="ignore", invalid="ignore"):
-        mass = Integrator(disk, density.seen_from(disk, 1), tolerance).mass()
+        mass = Integrator(disk, density.seen_from(disk, 1)).mass()
     _check_known(density, "its integral", mass)
     if not mass.value > 0.0:
         factor = "energy" if density.energy != ANY_ENERGY else "density"
@@ -169,7 +168,7 @@ def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> F
     if density.reaches_flat():
         return FallingConstant(math.inf, math.inf, math.inf, math.inf, mass.value)
     with np.errstate(over="ignore", invalid="ignore"):
-        parts = _over_f(disk, density, tolerance)
+        parts = _over_f(disk, density)
     plus, minus, *both = (part.value / mass.value for part in parts)
     value = plus + minus - sum(both)
     error = (sum(part.error for part in parts) + value * mass.error) / mass.value + _ROUNDING * value
@@ -189,14 +188,14 @@ def _check_known(density: Density, what: str, found: Integral) -> None:
     )
 
 
-def _over_f(disk: Disk, density: Density, tolerance: float) -> list[Integral]:
+def _over_f(disk: Disk, density: Density) -> list[Integral]:
     """Integrals over F on face +1, on face -1, and over what lies on both, if anything does."""
     box = density.box
     # l_+ and l_- meet the box in the same states where it fixes a rate at 0: sigma3_bar = 0 on both.
     meet = (0.0, 0.0) in (box.ranges["sigma3"], box.ranges["sigma4"])
 
     def over(face: int, both: bool = False) -> Integral:
-        of = Integrator(disk, density.seen_from(disk, face), tolerance)
+        of = Integrator(disk, density.seen_from(disk, face))
         return between_energies(lambda energy: LineIntegral(of, energy, both).integral(), of.density.energy)
 
     return [over(1), over(-1), over(1, both=True)] if meet else [over(1), over(-1)]
