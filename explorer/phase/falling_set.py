@@ -141,7 +141,6 @@ def barrier(disk: Disk, sigma3_bar: Array, term: str = "V") -> Array:
 KERNELS = "algebra.constants_batch", "falling.barrier_batch", "falling.critical_X2_batch", "falling.falls_batch"
 
 
-@np.errstate(under="ignore")  # also where the user has set numpy to raise
 def falls_of(states: States) -> Falls:
     """The position of states relative to F, in a row."""
     disk, code = states.disk, compiled.status.Status

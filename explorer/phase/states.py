@@ -22,9 +22,6 @@ from explorer.phase.lines import Motion, line_slope, motion_given, motion_throug
 from explorer.phase.results import COORDINATES as COORDINATES
 from explorer.phase.results import WithStatus
 
-# Also where the user has set numpy to raise.
-_UNDERFLOW_IS_ZERO = np.errstate(under="ignore")
-
 
 class StateWarning(UserWarning):
     """States are probably not what was meant: tilts look like degrees.
@@ -143,25 +140,21 @@ class States(WithStatus):
         return Motion(*(np.where(bad, np.nan, column) for column in motion)) if bad.any() else motion
 
     @property
-    @_UNDERFLOW_IS_ZERO
     def phi(self) -> Array:
         """Angle of the disk's plane to the vertical (rad)."""
         return self._known(np.arctan2(self.rows.z, self.rows.q))
 
     @property
-    @_UNDERFLOW_IS_ZERO
     def phidot(self) -> Array:
         """Rate of phi (units of the disk)."""
         return self._known(-self.rows.p * self.disk.rate_unit)
 
     @property
-    @_UNDERFLOW_IS_ZERO
     def sigma3(self) -> Array:
         """sigma3 of eq. (2.14) (units of the disk)."""
         return self._known(self.rows.q * self.rows.rho * self.disk.rate_unit)
 
     @property
-    @_UNDERFLOW_IS_ZERO
     def sigma4(self) -> Array:
         """Spin sigma4 of eq. (2.14) (units of the disk)."""
         return self._known(self.rows.sigma4 * self.disk.rate_unit)
