@@ -4,7 +4,6 @@ import html
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import fields, replace
-from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 import numpy as np
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 Status = compiled.status.Status
+_NAMES = [code.name.lower() for code in Status]
 _SHOWN = 6  # columns whose medians the description gives: what fits on a screen beside code
 COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
 _SIDED = ("race_angle", "delta_chi", "delta_psi")  # whose medians are told for each side of F
@@ -39,7 +39,7 @@ class WithStatus:
     @property
     def status_names(self) -> NDArray[np.str_]:
         """The status of each sample as a word, such as 'ok' or 'falls'."""
-        return np.asarray(np.array(_names())[self.status])
+        return np.asarray(np.array(_NAMES)[self.status])
 
     def _counted(self) -> str:
         """How many samples have each status, in words."""
@@ -244,15 +244,10 @@ def _spread(values: NDArray[Any]) -> str:
     return f"{middle:.6g}" if values.size == 1 else f"median {middle:.6g}, {low:.6g} to {high:.6g}"
 
 
-@cache
-def _names() -> list[str]:
-    return [code.name.lower() for code in Status]
-
-
 def status_codes(names: NDArray[Any]) -> NDArray[np.int8]:
     """Statuses as numbers, from words. Raises ValueError for a word that is none."""
     known, place = np.unique(np.asarray(names, dtype=str), return_inverse=True)
-    return np.array([_names().index(str(name)) for name in known], dtype=np.int8)[place]
+    return np.array([_NAMES.index(str(name)) for name in known], dtype=np.int8)[place]
 
 
 def to_arrow(columns: dict[str, NDArray[Any]]) -> "pa.Table":
@@ -263,7 +258,7 @@ def to_arrow(columns: dict[str, NDArray[Any]]) -> "pa.Table":
     for name, values in columns.items():
         if name == "status" and values.dtype.kind in "iu":
             codes = _arrow_array(values.astype(np.int8))
-            array = pa.DictionaryArray.from_arrays(codes, _arrow_texts(_names()))
+            array = pa.DictionaryArray.from_arrays(codes, _arrow_texts(_NAMES))
         else:
             array = _arrow_array(values)
         known = COLUMNS.get(name) or COLUMNS.get(name.rpartition("_")[0])
