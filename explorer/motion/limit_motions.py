@@ -27,7 +27,6 @@ from explorer.phase.results import Table
 from explorer.phase.states import Array, Rows, States, require_states
 
 KERNELS = *falling_set.KERNELS, *WITH_PLACES, "falling.line_chart_batch"  # for `compiled.warmup`
-_HALF_PI = 0.5 * np.pi
 _MOST_IMPACTS = 1e8  # their times take 0.8 GB, and a double has 8 digits left for the place between two
 # Of sigma3_bar over the energy: below, the rate of the race overflows, and no double tells the race from a jump.
 _TINY = 1e-290
@@ -158,7 +157,7 @@ class LimitMotion:
 
         return LimitState(
             t=times.copy(),
-            phi=face * (_HALF_PI - np.arctan2(q, at.z)),
+            phi=face * (0.5 * np.pi - np.arctan2(q, at.z)),
             phidot=phidot * unit,
             chi=chi,
             psi=psi,
