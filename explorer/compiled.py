@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any
 
 _OURS = Path(__file__).resolve().parent.parent / "kernels"
 _LOCK = threading.RLock()
-_NAMED = 4  # kernels that are named when they are compiled
 
 if TYPE_CHECKING:
     import subprocess
@@ -106,9 +105,7 @@ def warmup(names: Iterable[str] | None = None, say: Callable[[str], None] = lamb
     kernels, cached = _kernels(names), _load("kernels._jit").cached_names()
     fresh = [kernel for kernel in kernels if not kernel.is_loaded and kernel.name not in cached]
     if fresh:
-        called = ", ".join(kernel.function.__name__ for kernel in fresh[:_NAMED])
-        others = f" and {len(fresh) - _NAMED} more" if len(fresh) > _NAMED else ""
-        say(f"compiling {called}{others}; once for this version, then kept")
+        say(f"compiling {len(fresh)} kernel(s); once for this version, then kept")
     helper = _second_process(fresh) if len(fresh) > 1 else None
     try:
         for kernel in kernels:

@@ -41,18 +41,13 @@ class _Package(ModuleType):
 
     def __getattr__(self, name: str) -> Any:
         own = vars(self)
-        if name in own["_homes"]:
-            home = own["_homes"][name]
-            of_its_own = home == self.__name__
-            value = import_module(f"{home}.{name}") if of_its_own else getattr(import_module(home), name)
-        else:
+        if name not in own["_homes"]:
             raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
-        own[name] = value
+        value = own[name] = getattr(import_module(own["_homes"][name]), name)
         return value
 
     def __setattr__(self, name: str, value: Any) -> None:
-        home = vars(self)["_homes"].get(name)
-        if home in (None, self.__name__) or not isinstance(value, ModuleType):
+        if name not in vars(self)["_homes"] or not isinstance(value, ModuleType):
             super().__setattr__(name, value)
 
     def __dir__(self) -> list[str]:

@@ -73,7 +73,7 @@ class Passages:
 
     def share(self, method, accuracy):
         found = ex.passages(self.disk, *self.given, method=method, accuracy=accuracy)
-        tried, known = self.samples.compare((found, None), accuracy), self.samples.known
+        tried, known = self.samples.compare((found, None)), self.samples.known
         estimates = found.error_estimate + self.samples.exact.error_estimate
         columns = (tried.errors, estimates, found.ok, tried.wrong_way)
         return share_of(accuracy, *(column[known] for column in columns))
@@ -90,20 +90,21 @@ class Motions:
         ends = np.repeat(ENDS, -(-n // (len(ENDS) * self.at_once)))
         parts = np.array_split(np.arange(n), ends.size)
         times = [end * disk.time_unit * self.shares for end in ends]
-        self.samples = ReferenceMotions([(states.at(rows), t) for rows, t in zip(parts, times, strict=True)])
+        self.samples = [ReferenceMotions(states.at(rows), t) for rows, t in zip(parts, times, strict=True)]
         self.passages = np.repeat(np.maximum(1.0, ends / _PASSAGE), [rows.size for rows in parts])
-        phi = np.concatenate([motion.phi for motion in self.samples.exact])
-        self.known = self.samples.known & (abs(phi) < 0.5 * np.pi - RACING).any(axis=1)
+        slow = [(abs(each.exact.phi) < 0.5 * np.pi - RACING).any(axis=1) for each in self.samples]
+        self.known = np.concatenate([each.known & known for each, known in zip(self.samples, slow, strict=True)])
 
     def follow(self, states, times, **how):
         return ex.simulate(states, t_eval=times, **how)
 
     def share(self, method, accuracy):
         how = {"observables": IN_TIME, "method": method, "accuracy": accuracy}
-        found = [self.follow(states, times, **how) for states, times in self.samples.groups]
-        tried = self.samples.compare(found, accuracy)
+        found = [self.follow(each.states, each.times, **how) for each in self.samples]
+        tried = [each.compare(made) for each, made in zip(self.samples, found, strict=True)]
+        errors, wrong_way = (np.concatenate([getattr(t, name) for t in tried]) for name in ("errors", "wrong_way"))
         estimates, ok = (np.concatenate([getattr(m, name) for m in found]) for name in ("error_estimate", "ok"))
-        columns = (tried.errors, estimates, ok, tried.wrong_way, self.passages)
+        columns = (errors, estimates, ok, wrong_way, self.passages)
         return share_of(accuracy, *(column[self.known] for column in columns))
 
 

@@ -30,8 +30,6 @@ class RunPlan:
     model, method, reason : str
         What is computed (as in `Passages.model`, or 'algebra' if constants of motion are enough), by which method,
         and why.
-    cost : str
-        Work per sample in words.
     estimate : Estimate
         Time (s), memory and storage (bytes) that the run needs without pictures, measured on a few chunks.
 
@@ -49,7 +47,6 @@ class RunPlan:
     model: str
     method: str
     reason: str
-    cost: str
     estimate: Estimate
 
     def __str__(self) -> str:
@@ -70,10 +67,10 @@ class RunPlan:
 def planned(scene: Scene, settings: Settings) -> RunPlan:
     """How a run would be computed."""
     chosen = scene.plan
-    how = chosen.level, chosen.method, chosen.reason, chosen.cost
+    how = chosen.level, chosen.method, chosen.reason
     if not scene.observables:  # a user's scene need not say what it computes
         own = "that of the scene, which names no observables"
-        how = own, scene.method, own, "as measured"
+        how = own, scene.method, own
     return RunPlan(scene.name, list(scene.observables), scene.accuracy, *how, estimate(scene, settings))
 
 

@@ -20,7 +20,7 @@ from explorer.phase.states import Array
 
 _gauss = cache(np.polynomial.legendre.leggauss)
 _HALF_PI = 0.5 * math.pi
-TOLERANCE = 1e-7  # relative; some 10^14 independent draws would be needed to see such an error
+_TOLERANCE = 1e-7  # relative, to try for; some 10^14 independent draws would be needed to see such an error
 NODES = 32, 24  # of the rule between two corners, and of the one that tells its error: 1e-9 for half a Gaussian
 # Points at which an integral may ask for the density, and parts of the range of phi, before it cuts that no
 # further: smooth densities take a tenth; of others the error says what is lacking after some seconds.
@@ -89,12 +89,11 @@ def ends_of_bar(*limits: tuple[Array, float, float]) -> tuple[Array, Array]:
 class Integrator:
     """Integrals of a density that is given in natural units.
 
-    tolerance: relative error to try for. asked: at how many points the density was asked for.
+    asked: at how many points the density was asked for.
     """
 
     disk: Disk
     density: Density
-    tolerance: float = TOLERANCE
     asked: int = 0
 
     def mass(self) -> Integral:
@@ -142,7 +141,7 @@ class Integrator:
         while True:
             fine, coarse = sum([*points, *(half for part in parts for half in part[3])], np.zeros(2))
             error = -sum(part[0] for part in parts)
-            if not error > self.tolerance * fine or self.asked > limit or len(parts) > _MOST_PARTS:
+            if not error > _TOLERANCE * fine or self.asked > limit or len(parts) > _MOST_PARTS:
                 return Integral(float(fine), float(error + abs(fine - coarse)))
             parts.sort(key=lambda part: part[0])  # the largest error first
             _, piece, (low, middle, high), halves = parts.pop(0)

@@ -23,11 +23,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer import compiled
 from explorer.errors import InputError
 from explorer.measure.box_integrals import (
     NODES,
-    TOLERANCE,
     Integral,
     Integrator,
     between_energies,
@@ -37,7 +35,7 @@ from explorer.measure.box_integrals import (
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, Range
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.falling_set import barrier, well
+from explorer.phase.falling_set import barrier, critical_X2, well
 from explorer.phase.lines import line_chart
 from explorer.phase.results import Table
 from explorer.phase.roots import changes_of_sign, roots_among
@@ -149,8 +147,8 @@ def falling_constant(
     return constant_of(disk, Density.of(disk, box, energy, gaussian, density))
 
 
-def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> FallingConstant:
-    """As falling_constant, of a Density; tolerance: relative error to try for."""
+def constant_of(disk: Disk, density: Density) -> FallingConstant:
+    """As falling_constant, of a Density."""
     if not (density.free("sigma3") or density.free("sigma4")):
         raise InputError(
             "box: sigma3 and sigma4 are both fixed, so the falling set is met at single tilts or not at all; give "
@@ -158,7 +156,7 @@ def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> F
         )
     # What overflows is refused by what comes of it.
     with np.errstate(over="ignore", invalid="ignore"):
-        mass = Integrator(disk, density.seen_from(disk, 1), tolerance).mass()
+        mass = Integrator(disk, density.seen_from(disk, 1)).mass()
     _check_known(density, "its integral", mass)
     if not mass.value > 0.0:
         factor = "energy" if density.energy != ANY_ENERGY else "density"
@@ -170,7 +168,7 @@ def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> F
     if density.reaches_flat():
         return FallingConstant(math.inf, math.inf, math.inf, math.inf, mass.value)
     with np.errstate(over="ignore", invalid="ignore"):
-        parts = _over_f(disk, density, tolerance)
+        parts = _over_f(disk, density)
     plus, minus, *both = (part.value / mass.value for part in parts)
     value = plus + minus - sum(both)
     error = (sum(part.error for part in parts) + value * mass.error) / mass.value + _ROUNDING * value
@@ -190,14 +188,14 @@ def _check_known(density: Density, what: str, found: Integral) -> None:
     )
 
 
-def _over_f(disk: Disk, density: Density, tolerance: float) -> list[Integral]:
+def _over_f(disk: Disk, density: Density) -> list[Integral]:
     """Integrals over F on face +1, on face -1, and over what lies on both, if anything does."""
     box = density.box
     # l_+ and l_- meet the box in the same states where it fixes a rate at 0: sigma3_bar = 0 on both.
     meet = (0.0, 0.0) in (box.ranges["sigma3"], box.ranges["sigma4"])
 
     def over(face: int, both: bool = False) -> Integral:
-        of = Integrator(disk, density.seen_from(disk, face), tolerance)
+        of = Integrator(disk, density.seen_from(disk, face))
         return between_energies(lambda energy: LineIntegral(of, energy, both).integral(), of.density.energy)
 
     return [over(1), over(-1), over(1, both=True)] if meet else [over(1), over(-1)]
@@ -305,10 +303,9 @@ class LineIntegral:
         """
         if not (phi < 0.0).all():
             return []
-        disk, critical = self.of.disk, np.empty(phi.size)
+        disk = self.of.disk
         bend, largest = well(disk)
-        compiled.falling.critical_X2_batch(np.minimum(phi, -1e-12), disk.natural, critical)
-        own = np.sqrt(np.maximum(critical, 0.0)) * disk.body.r0
+        own = np.sqrt(np.maximum(critical_X2(disk, np.minimum(phi, -1e-12)), 0.0)) * disk.body.r0
         most = np.where(phi < bend, largest, np.minimum(own, largest))
         spent = np.array([0.0, *self._spent])[:, None]
 

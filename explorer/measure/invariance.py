@@ -17,6 +17,7 @@ from explorer.errors import InputError, number, positive, whole
 from explorer.measure.density import Density
 from explorer.measure.sampling import Box, chunk_stream
 from explorer.measure.statistics import either_p
+from explorer.motion.orbits import WITH_PLACES
 from explorer.motion.plan import plan
 from explorer.motion.threads import attended, blocks
 from explorer.motion.trajectories import simulate
@@ -216,7 +217,8 @@ def push_forward(
 
 def kernels() -> tuple[str, ...]:
     """The kernels of `flow_stretch` and `push_forward`, for `compiled.warmup`."""
-    return "variation.variation_batch", *plan(COORDINATES, _ACCURACY).motions
+    how = plan(COORDINATES, _ACCURACY)
+    return "variation.variation_batch", "algebra.constants_batch", *WITH_PLACES, how.in_time.kernel
 
 
 def energy_density(disk: Disk, energy: float) -> Density:

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer.measure.tallies import PER_DECADE, LogHistogram, LogRow, histograms
+from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk, require_disk
-from explorer.phase.states import Array, columns_of
+from explorer.phase.states import Array
 
 SIDES = {"plus": 1, "minus": -1}
 BINS = 40  # a decade of the deviation, in a summary: a picture joins some of them
@@ -60,7 +61,7 @@ def race_ridges(disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike) -> dict[s
     [-4]
     """
     require_disk(disk)
-    eta, race = columns_of(eta_hat=eta_hat, race_angle=race_angle)
+    (eta, race), _ = read_columns(eta_hat=eta_hat, race_angle=race_angle)
     limit, deviations = disk.race_limit, LogHistogram()
     deviations.count(race - np.sign(eta) * limit, decades_and_sides(eta))
     counts = dict(zip(SIDES, count_angles(limit, eta, race), strict=True))
@@ -175,7 +176,7 @@ def race_law(
     6.0
     """
     require_disk(disk)
-    eta, race, speed = columns_of(eta_hat=eta_hat, race_angle=race_angle, impact_speed=impact_speed)
+    (eta, race, speed), _ = read_columns(eta_hat=eta_hat, race_angle=race_angle, impact_speed=impact_speed)
     found = LogHistogram()
     count_law(found, disk, eta, race, speed)
     return law_rows(disk, found)

@@ -58,13 +58,11 @@ class Ranges:
     def draw(self, random: Stream, count: int) -> dict[str, Array]:
         """`count` states, uniform in these coordinates; one array for each."""
         free = self.free
-        unit = random.random((len(free), count))
-        columns = {}
-        for name, (low, high) in self.ranges.items():
-            columns[name] = np.full(count, low)
-            if name in free:
-                columns[name] = low + (high - low) * unit[free.index(name)]
-        return columns
+        unit = dict(zip(free, random.random((len(free), count)), strict=True))
+        return {
+            name: low + (high - low) * unit[name] if name in unit else np.full(count, low)
+            for name, (low, high) in self.ranges.items()
+        }
 
     def states(self, disk: Disk, columns: Mapping[str, Array]) -> States:
         """The states with such coordinates."""

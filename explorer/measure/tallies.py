@@ -275,11 +275,8 @@ def _empty(rows: tuple[int, int], bins: int, kind: Any) -> tuple[NDArray[Any], N
 
 def _reach(places: Array) -> tuple[int, int]:
     """The smallest and the largest of the finite ones, rounded down; zeros where there is none."""
-    low, high = np.fmin.reduce(places, initial=np.inf), np.fmax.reduce(places, initial=-np.inf)  # pass NaN over
-    if not (np.isfinite(low) and np.isfinite(high)):
-        known = places[np.isfinite(places)]
-        low, high = (known.min(), known.max()) if known.size else (0.0, 0.0)
-    return math.floor(low), math.floor(high)
+    known = places[np.isfinite(places)]
+    return (math.floor(known.min()), math.floor(known.max())) if known.size else (0, 0)
 
 
 def packed(counts: NDArray[Any]) -> str:

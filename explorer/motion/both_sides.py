@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from explorer import compiled
-from explorer.errors import InputError, positive, sign
+from explorer.errors import positive, sign
 from explorer.motion.limit_motions import LimitMotion, LimitState, limit_motion
 from explorer.motion.trajectories import simulate
 from explorer.phase.constants import constants
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import Disk
+from explorer.phase.results import require_ok
 from explorer.phase.states import Array, States, constants_to_states, require_states
 
 FALLS = 3  # impacts that each motion passes
@@ -150,9 +150,7 @@ def both_sides(state: States, eta_hat: float | None = None, t_end: float | None 
     beside = coordinates_to_states(disk, **at_point, eta_hat=[size, -size])
     end = limit.impacts(3.0 * limit.period)[1] + 0.6 * limit.period if t_end is None else positive("t_end", t_end)
     motion = simulate(beside, float(end), observables=QUANTITIES)
-    if not motion.lengths.all():
-        code = compiled.status.Status(int(motion.status.max()))
-        raise InputError(f"eta_hat = {size:g}: {code.sentence} {code.remedy}")
+    require_ok(motion, f"eta_hat = {size:g}")
     t = np.unique(motion.t)
     at = motion(t)
     rows = {sign: {name: getattr(at, name)[row] for name in QUANTITIES} for row, sign in enumerate((1, -1))}

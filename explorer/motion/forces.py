@@ -92,7 +92,7 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     >>> ex.passage_forces(ex.Disk.uniform(), 1.0, 0.01, 1.0).min_normal_force.round(2)
     array([-0.97])
     """
-    (bar, eta, speed), shape = read_columns({"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot})
+    (bar, eta, speed), shape = read_columns(sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot)
     starts = starts_at_vertical(disk, bar, eta, speed, np.ones_like(bar))
     groups = blocks(starts.status.size, BLOCK // _POINTS)
     normal, friction = np.concatenate([_extremes(disk, rows_of(starts, rows)) for rows in groups], axis=1)

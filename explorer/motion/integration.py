@@ -61,14 +61,6 @@ class Followed(NamedTuple):
     steps: NDArray[np.int32]
     moved: Array
 
-    def at(self, rows: NDArray[np.bool_]) -> Followed:
-        """Some of them."""
-        return Followed(self.out[rows], self.status[rows], self.steps[rows], self.moved[:, rows])
-
-    def put(self, rows: NDArray[np.intp], better: Followed) -> None:
-        """What became of some of them in the end."""
-        self.out[rows], self.status[rows], self.moved[:, rows] = better.out, better.status, better.moved
-
 
 def follow(
     given: InitialValues,
@@ -136,9 +128,9 @@ def follow_accurately(
             known = apart + precision.SHARE * given.plan.accuracy
             error[rows] = np.where(stays, known, np.clip(estimate(better, rows), 3.0 * less * apart, known))
             found.steps[rows] += better.steps
-            rows, better = rows[~stays], better.at(~stays)
-            found.put(rows, better)
-            control[rows] = finer.control[~stays]
+            rows = rows[~stays]
+            found.out[rows], found.status[rows] = better.out[~stays], better.status[~stays]
+            found.moved[:, rows], control[rows] = better.moved[:, ~stays], finer.control[~stays]
         found.status[unsettled()] = compiled.status.Status.STEP_LIMIT
     found.out[found.status != ok] = np.nan
     return found, error, given._replace(control=control)

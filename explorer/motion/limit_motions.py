@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer.errors import InputError, number, shown, sign
-from explorer.motion.rise import KERNELS as RISE
+from explorer.motion.orbits import WITH_PLACES
 from explorer.motion.rise import Moving, Rise
 from explorer.motion.starts import ArcStarts, arc_starts
 from explorer.phase import falling_set
@@ -26,8 +26,7 @@ from explorer.phase.lines import line_chart, motion_given
 from explorer.phase.results import Table
 from explorer.phase.states import Array, Rows, States, require_states
 
-KERNELS = *falling_set.KERNELS, *RISE, "falling.line_chart_batch"  # for `compiled.warmup`
-_HALF_PI = 0.5 * np.pi
+KERNELS = *falling_set.KERNELS, *WITH_PLACES, "falling.line_chart_batch"  # for `compiled.warmup`
 _MOST_IMPACTS = 1e8  # their times take 0.8 GB, and a double has 8 digits left for the place between two
 # Of sigma3_bar over the energy: below, the rate of the race overflows, and no double tells the race from a jump.
 _TINY = 1e-290
@@ -145,8 +144,7 @@ class LimitMotion:
         if not ((times >= 0.0) & (times <= last)).all():
             raise InputError(f"t = {shown(t)}: give times from 0 to {last:g}, that of {_MOST_IMPACTS:g} impacts")
         start = self._unfold(np.array([self._offset]))
-        unfolded = self._unfold(np.ravel(times) * disk.rate_unit + self._offset)
-        at = Moving(**{name: row.reshape(times.shape) for name, row in unfolded._asdict().items()})
+        at = self._unfold(times * disk.rate_unit + self._offset)
         z, sigma4, phidot, turn, q = face * at.z, face * at.sigma4, -face * at.thetadot, at.turn, at.q
         chi, psi = at.chi - start.chi[0], face * (at.psi - start.psi[0])
         centre, away = face * (at.centre - start.centre[0]) * np.exp(-1j * start.chi[0]), np.exp(1j * chi)
@@ -159,7 +157,7 @@ class LimitMotion:
 
         return LimitState(
             t=times.copy(),
-            phi=face * (_HALF_PI - np.arctan2(q, at.z)),
+            phi=face * (0.5 * np.pi - np.arctan2(q, at.z)),
             phidot=phidot * unit,
             chi=chi,
             psi=psi,

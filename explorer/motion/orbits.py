@@ -13,7 +13,9 @@ from explorer.phase.disk import Disk
 from explorer.phase.lines import rows_of
 from explorer.phase.states import Array
 
-KERNELS = "turning_points.orbit_batch", "turning_points.inward_batch"  # of `ends_of`, for `compiled.warmup`
+# Of `ends_of`, and of what goes on from there: for `compiled.warmup`
+KERNELS = "turning_points.orbit_batch", "turning_points.inward_batch"
+WITH_PLACES = (*KERNELS, "turning_points.point_batch")
 _OF_ARC = 0.125  # of the accuracy: a period goes twice over two arcs, which may be cut in two
 
 

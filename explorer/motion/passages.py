@@ -17,7 +17,7 @@ from explorer.motion.passages_by_integration import by_integration
 from explorer.motion.passages_by_quadrature import by_quadrature
 from explorer.motion.plan import Plan, plan
 from explorer.motion.precision import asked
-from explorer.motion.threads import BLOCK, blocks, in_parts
+from explorer.motion.threads import blocks, in_parts
 from explorer.motion.vertical import VerticalStarts, starts_at_vertical
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
@@ -169,11 +169,10 @@ def passages(
     array([ 7.0248, -7.0248,  7.0248])
     """
     how = plan(OBSERVABLES, accuracy, method)
-    columns, shape = read_columns({"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot, "face": face})
+    columns, shape = read_columns(sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, face=face)
     edge, starts = _edge_of(window, how.method), starts_at_vertical(disk, *columns)
-    # Threads that nobody waits for any more, after Ctrl-C, do no more than this many at a time.
-    rows, some = starts.status.size, None if jobs_of("jobs", jobs) == 1 else 64 * BLOCK
-    found = joined(in_parts(jobs, rows, lambda part: passages_by(disk, rows_of(starts, part), how, edge)[0], some))
+    jobs, rows = jobs_of("jobs", jobs), starts.status.size
+    found = joined(in_parts(jobs, rows, lambda part: passages_by(disk, rows_of(starts, part), how, edge)[0]))
     # The numbers as they were given, also where a placeholder stood for them.
     given = dict[str, Any](zip(Passages._GIVEN, columns, strict=True))
     return replace(found, **given).reshaped(shape)
@@ -194,9 +193,9 @@ def passages_by(
     return _assemble(disk, starts, [samples], how, edge), steps
 
 
-def reference_passages(disk: Disk, starts: VerticalStarts, accuracy: float = 1e-11) -> Passages:
+def reference_passages(disk: Disk, starts: VerticalStarts) -> Passages:
     """Passages as arcs: by quadrature, but by none of the tables of the body."""
-    return passages_by(disk, starts, plan(OBSERVABLES, accuracy, "quadrature"), tables=False)[0]
+    return passages_by(disk, starts, plan(OBSERVABLES, 1e-11, "quadrature"), tables=False)[0]
 
 
 def passage_kernels(how: Plan) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from explorer.motion.arcs import allowed
 from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of, smallest
 from explorer.motion.orbits_by_integration import integrated_orbits
 from explorer.motion.plan import Plan, plan
-from explorer.motion.starts import ArcStarts, arc_starts_of, face_of, status_of_period
+from explorer.motion.starts import ArcStarts, arc_starts, face_of, status_of_period
 from explorer.motion.threads import BLOCK, in_parts
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.results import Result, joined
@@ -127,7 +127,7 @@ def arcs_of(
 
     there, lead: as for `orbits_of`; an integrator gives all arcs.
     """
-    motions = arc_starts_of(states, own)
+    motions = arc_starts(states.disk, states.rows, states.motion, own > 0.0)
     ends = ends_of(states.disk, motions)
     if how.method == "quadrature":
         return motions, ends, orbits_of(states.disk, motions, ends, how.accuracy, there, lead)

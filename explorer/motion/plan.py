@@ -23,7 +23,8 @@ from explorer.motion.calibration import setting_for
 ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH = "algebra", "quadrature", "reduced", "angles", "path"
 LEVELS = (ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH)
 FIXED, ADAPTIVE = {"rk4": 4, "rk8": 8}, ("dopri5", "dop853")  # fixed steps with their orders
-METHODS = ("auto", *FIXED, *ADAPTIVE, "quadrature")
+INTEGRATORS = (*FIXED, *ADAPTIVE)
+METHODS = ("auto", *INTEGRATORS, "quadrature")
 
 _OF_LEVEL = {
     ALGEBRA: ("constants", "face", "distance", "could_fall"),
@@ -39,7 +40,7 @@ _INTEGRATED = {"theta_min": REDUCED}
 
 LOOSEST = 1e-1
 # A passage's rounding is about 1e-13; an integrator's errors of rounding add up over its steps.
-TIGHTEST = {"quadrature": 1e-13, **dict.fromkeys((*FIXED, *ADAPTIVE), 1e-11)}
+TIGHTEST = {"quadrature": 1e-13, **dict.fromkeys(INTEGRATORS, 1e-11)}
 
 # Tolerances below some units in the last place of a number of order 1 only shorten the steps.
 _TOLERANCE_FLOOR = 1e-15
@@ -69,12 +70,6 @@ class Plan:
         return f"engine.{self.method}_{self.level}"
 
     @property
-    def motions(self) -> tuple[str, ...]:
-        """The names of the kernels that follow motions to given times."""
-        found = (f"turning_points.{what}_batch" for what in ("orbit", "inward", "point"))
-        return "algebra.constants_batch", *found, self.in_time.kernel
-
-    @property
     def in_time(self) -> "Plan":
         """The same for motions in time, which is carried from the angles on."""
         return replace(self, level=ANGLES) if self.level == REDUCED else self
@@ -101,18 +96,6 @@ class Plan:
     def at_least(self, setting: Any) -> Any:
         """A step, or a tolerance that rounding does not refuse."""
         return np.fmax(setting, 0.0 if self.method in FIXED else _TOLERANCE_FLOOR)
-
-    @property
-    def cost(self) -> str:
-        """Expected work per sample in words."""
-        if self.level == ALGEBRA:
-            return "one evaluation of Chaplygin's solutions per sample"
-        if self.method == "quadrature":
-            return "about a microsecond per passage, the same at every distance from F"
-        return (
-            "some microseconds per passage in lanes, more near F, like the logarithm of the distance; several "
-            "times that for motions in time"
-        )
 
 
 def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto") -> Plan:

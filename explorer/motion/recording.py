@@ -162,11 +162,8 @@ def between(motions: InitialValues, records: Records, times: Array) -> Array:
     """States (n, nt, 10) of recorded motions at any times in the units of the disk; NaN where not OK."""
     number, disk, how = motions.status.size, motions.disk, motions.plan
     out = np.empty((number, times.size, 10))
+    moments = compiled.curves.Moments(times, disk.time_unit, disk.rate_unit)
     for rows in blocks(number, max(1, _AT_ONCE // max(times.size, 1))):
         curves = compiled.curves.Curves(records.points, records.first[rows.start : rows.stop + 1])
-        for some in blocks(times.size, _AT_ONCE):
-            moments = compiled.curves.Moments(times[some], disk.time_unit, disk.rate_unit)
-            compiled.curves.at_times(
-                how.kernel_method, how.kernel_depth, curves, moments, disk.body, out[rows, some]
-            )
+        compiled.curves.at_times(how.kernel_method, how.kernel_depth, curves, moments, disk.body, out[rows])
     return out

@@ -22,8 +22,6 @@ from explorer.phase.disk import Disk
 from explorer.phase.lines import rows_of
 from explorer.phase.states import Array
 
-# For `compiled.warmup`
-KERNELS = "turning_points.inward_batch", "turning_points.orbit_batch", "turning_points.point_batch"
 Place: TypeAlias = "compiled.turning_points.Place[Array]"
 _NODES = 32  # of a piece
 # What the last coefficients of a piece may leave of its series; the last are so many.
@@ -180,7 +178,7 @@ class Rise:
 
     def at(self, time: Array) -> Moving:
         """The rise at times since flat, 0 <= time <= half."""
-        out = Moving(*(np.empty(time.size, kind) for kind in (7 * "d" + "D")))
+        out = Moving(*(np.empty(time.shape, kind) for kind in (7 * "d" + "D")))
         number = np.searchsorted(self._starts, time, side="right") - 1
         for each in np.unique(number):
             (stretch, (when, *others)), here = self._pieces[each], number == each

@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike
 
 from explorer.errors import InputError, number
 from explorer.motion.periods import periods
+from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.states import Array, columns_of, theta_to_states
+from explorer.phase.states import Array, theta_to_states
 
 ETA_HAT = 1e-12
 # Dense near the bottom, where the turn is linear in the energy; at the end it is within 2e-4 of the race.
@@ -103,7 +104,7 @@ def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HA
     """
     require_axial_inertia(disk)
     b, unit = disk.body, disk.rate_unit
-    ratio = columns_of(excess=EXCESS if excess is None else excess)[0]
+    (ratio,), _ = read_columns(excess=EXCESS if excess is None else excess)
     eta = disk.eta_hat_to_eta(number("eta_hat", eta_hat) / unit)
     if ratio.size == 0 or not (np.isfinite(ratio).all() and (ratio > 1.0).all()):
         raise InputError(f"excess = {excess!r}: give finite numbers above 1; the bottom of the well is at 1")

@@ -68,11 +68,6 @@ class Scan(Table):
         """The shape of the states."""
         return self.states.shape
 
-    @property
-    def columns(self) -> dict[str, NDArray[Any]]:
-        """The coordinates of the states, then the observables."""
-        return {name: getattr(self.states, name) for name in COORDINATES if name not in self.values} | self.values
-
     def _arrays(self) -> dict[str, NDArray[Any]]:
         return self.values
 
@@ -85,7 +80,7 @@ class Scan(Table):
         if isinstance(key, str):
             return self.values[one_of("observable", key, self.values)]
         values, states = self._chosen(key)
-        return Scan(states or self.states, values)
+        return Scan(values=values, **states)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.values)

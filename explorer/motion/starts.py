@@ -61,14 +61,12 @@ class ArcStarts(NamedTuple):
     unsure_far: Array
 
 
-def arc_starts_of(states: States, face: Array) -> ArcStarts:
-    """The same of states, each seen from a face; states that are no input give any numbers."""
-    return arc_starts(states.disk, states.rows, states.motion, face > 0.0)
-
-
 @np.errstate(over="ignore", divide="ignore", invalid="ignore")  # motions on F have no theta_min
 def arc_starts(disk: Disk, rows: Rows, motion: Motion, plus: NDArray[np.bool_]) -> ArcStarts:
-    """The same of rows of states and their motions; plus: whether each is seen from face +1."""
+    """The same of rows of states and their motions; plus: whether each is seen from face +1.
+
+    States that are no input give any numbers.
+    """
     b, (q, z, p, ratio, sigma4) = disk.body, rows
     near, far = motion.eta(plus), motion.eta(~plus)
     unsure, unsure_far = motion.rounding(plus) / abs(near), motion.rounding(~plus) / abs(far)

@@ -26,19 +26,13 @@ class _Group:
     """Calls side by side that somebody waits for, and what ends the kernels that are at work for them."""
 
     def __init__(self) -> None:
-        self._wanted = True
+        self.wanted = True
         self.ends = list[Callable[[], None]]()
 
     def require(self) -> None:
         """Raise _UnwantedError where nobody waits any more."""
-        if not self._wanted:
+        if not self.wanted:
             raise _UnwantedError
-
-    def leave(self) -> None:
-        """Nobody waits any more."""
-        self._wanted = False
-        for end in list(self.ends):
-            end()
 
 
 class _UnwantedError(Exception):
@@ -117,6 +111,8 @@ def _side_by_side(calls: Sequence[Callable[[], Done]]) -> list[Done]:
             for future in ended:
                 future.result()
     except BaseException:
-        group.leave()
+        group.wanted = False
+        for end in list(group.ends):
+            end()
         raise
     return [future.result() for future in futures]

@@ -25,9 +25,10 @@ from explorer.errors import (
 from explorer.motion import recording
 from explorer.motion.integration import MAX_STEPS, InitialValues
 from explorer.motion.plan import Plan, plan
+from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
 from explorer.phase.results import WithStatus
-from explorer.phase.states import Array, States, columns_of, require_states
+from explorer.phase.states import Array, States, require_states
 
 ALL = ("phi", "chi", "psi", "path", "contact")  # what simulate gives where nothing else is asked for
 _VECTORS = ("path", "contact")
@@ -173,7 +174,7 @@ class Trajectories(WithStatus):
         InputError
             For times before 0 or after `t_end`.
         """
-        times = columns_of(t=t)[0]
+        (times,), _ = read_columns(t=t)
         if not (np.isfinite(times).all() and np.all((times >= 0.0) & (times <= self.t_end * _ROUNDED))):
             raise InputError(
                 f"{said('t', t)}: times must lie between 0 and {self.t_end:g}, to which the motion was followed"
@@ -327,7 +328,7 @@ def _times(t_end: float | None, t_eval: ArrayLike | None) -> tuple[float, Array 
         if t_end is None:
             raise InputError("t_end: is missing; give the end of the time, or the times themselves as t_eval")
         return positive("t_end", t_end), None
-    times = columns_of(t_eval=t_eval)[0]
+    (times,), _ = read_columns(t_eval=t_eval)
     if not (times.size > 0 and np.isfinite(times).all() and np.all(np.diff(times) > 0.0) and times[0] >= 0.0):
         raise InputError(f"{said('t_eval', t_eval)} must be a non-empty list of finite, increasing times >= 0")
     last = float(times[-1])

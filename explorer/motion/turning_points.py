@@ -10,7 +10,7 @@ from explorer import compiled
 from explorer.motion import integration, precision
 from explorer.motion.orbits import KERNELS, ends_of, smallest, tilts_on
 from explorer.motion.plan import Plan
-from explorer.motion.starts import arc_starts_of, face_of, status_at_start
+from explorer.motion.starts import arc_starts, face_of, status_at_start
 from explorer.phase.lines import rows_of
 from explorer.phase.states import Array, States
 
@@ -77,19 +77,15 @@ def tilt_kernels(how: Plan) -> tuple[str, ...]:
     return "algebra.constants_batch", *(KERNELS if how.method == "quadrature" else (how.kernel,))
 
 
-def smallest_tilt(
-    states: States, how: Plan, of_states: NDArray[np.int8] | None = None
-) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
+def smallest_tilt(states: States, how: Plan) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
     """theta_min of every motion (rad), with status and number of steps.
 
     A motion swings between two turning points. By quadrature they are roots of the amended
     potential; by integration, following it forward to one and backward to the other costs half a
     period in all, and if either fails the sample fails.
-
-    of_states: the status that `falls_of` gives them, where it is known already.
     """
     if how.method == "quadrature":
-        theta, status = smallest_tilts(states, 2, how.accuracy, of_states)
+        theta, status = smallest_tilts(states, 2, how.accuracy)
         steps = np.zeros(status.size, np.int32)
     else:
         ahead, behind = turning_points_around(states, how, tilts_only=True)
@@ -109,20 +105,17 @@ def turning_points_around(
     return ahead, replace(behind, **{name: np.where(rest, v, getattr(behind, name)) for name, v in own.items()})
 
 
-def smallest_tilts(
-    states: States, count: int, accuracy: float, of_states: NDArray[np.int8] | None = None
-) -> tuple[Array, NDArray[np.int8]]:
+def smallest_tilts(states: States, count: int, accuracy: float) -> tuple[Array, NDArray[np.int8]]:
     """The smallest tilt (rad) in the next `count` approaches to flat, and the status; 0 of what falls in these.
 
-    All approaches on one face are alike, so that two say all. of_states: as for `smallest_tilt`.
+    All approaches on one face are alike, so that two say all.
     """
-    code, own = compiled.status.Status, face_of(states)
-    status = status_at_start(states, sided=False) if of_states is None else of_states.copy()
+    code, own, status = compiled.status.Status, face_of(states), status_at_start(states, sided=False)
     if not states.disk.body.I3 > 0.0:  # there is no potential of the tilt alone
         status[status == code.OK] = code.STEP_LIMIT
     theta, falls = np.full(status.shape, np.nan), status == code.FALLS
     rows = np.flatnonzero((status == code.OK) | falls)
-    motions = rows_of(arc_starts_of(states, own), rows)
+    motions = rows_of(arc_starts(states.disk, states.rows, states.motion, own > 0.0), rows)
     ends = ends_of(states.disk, motions)
     # The first approach may be on the other face than the one that is nearer to F. A pendulum falls on both.
     pendulum = falls & (states.motion.eta_plus == states.motion.eta_minus)

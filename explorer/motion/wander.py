@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, number, shown, whole
+from explorer.errors import InputError, number, whole
 from explorer.motion.periods import periods
 from explorer.motion.trajectories import simulate
+from explorer.phase.arguments import read_pair
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.states import Array, States, columns_of, constants_to_states, require_states
+from explorer.phase.results import WithStatus, require_ok
+from explorer.phase.states import Array, States, constants_to_states, require_states
 
 # Errors of chi per period add up over the periods of a path: 1e-9 leaves 1e-5 rad after the most of them.
 _ACCURACY = 1e-9
@@ -25,7 +27,7 @@ _MOST_TURNS = 1_000_000  # of chi in a period, far beyond any body's race
 
 
 @dataclass(frozen=True)
-class Wander:
+class Wander(WithStatus):
     """The shift of the disk in one period, one entry per motion; arrays (n), units of the disk.
 
     Attributes
@@ -100,7 +102,7 @@ def wander(states: States) -> Wander:
     states = replace(states, shape=(len(states),))
     each = periods(states, _ACCURACY)
     step, status = np.full(len(states), np.nan, np.complex128), each.status.copy()
-    for row in np.flatnonzero(status == compiled.status.Status.OK):
+    for row in np.flatnonzero(each.ok):
         start, end = states.at(np.array([row])), float(each.period[row])
         moved = simulate(start, t_eval=[end], observables=("path",), accuracy=_ACCURACY)
         assert moved.path is not None
@@ -152,18 +154,13 @@ def resonance(
 
     def excess(sigma3_bar: float) -> float:
         period = periods(constants_to_states(disk, sigma3_bar, eta_hat, phidot), _ACCURACY)
-        if period.status[0] != compiled.status.Status.OK:
-            sentence = compiled.status.Status(int(period.status[0])).sentence
-            raise InputError(f"resonance: no period at sigma3_bar = {sigma3_bar:g}: {sentence} Move `between`")
+        require_ok(period, f"resonance: no period at sigma3_bar = {sigma3_bar:g}; move `between`")
         return float(period.chi[0]) / (2.0 * math.pi) - whole_turns
 
     require_axial_inertia(disk)
     eta_hat, phidot = number("eta_hat", eta_hat), number("phidot", phidot)
     whole_turns = whole("turns", turns, -_MOST_TURNS, _MOST_TURNS)
-    ends = columns_of(between=between)[0]
-    if ends.size != 2:
-        raise InputError(f"resonance: between = {shown(between)}: give two numbers")
-    low, high = float(ends[0]), float(ends[1])
+    low, high = read_pair("between", between, "two numbers")
     first, last = excess(low), excess(high)
     if first * last > 0.0:
         raise InputError(
@@ -239,12 +236,10 @@ def wander_path(states: States, count: int) -> WanderPath:
         )
     count = whole("count", count, 1, _MOST_PERIODS)
     each = wander(states)
-    if each.status[0] != compiled.status.Status.OK:
-        raise InputError(f"states: no period, or no path. {compiled.status.Status(int(each.status[0])).sentence}")
+    require_ok(each, "states: no period, or no path")
     rounds = float(each.period[0]) * np.arange(count + 1)
     course = simulate(states, rounds[-1], observables=("path", "contact"), accuracy=_ACCURACY)
-    if not course.ok[0]:
-        raise InputError(f"states: no path. {compiled.status.Status(int(course.status[0])).sentence}")
+    require_ok(course, "states: no path")
     t = np.union1d(course.t[0], rounds)
     at = course(t)
     assert at.path is not None

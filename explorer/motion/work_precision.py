@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from explorer import compiled
-from explorer.motion.plan import Plan
+from explorer.motion.plan import Plan, plan
 from explorer.motion.reference_samples import ReferenceSamples
 
 STAGES = {"rk4": 4, "rk8": 12, "dopri5": 7, "dop853": 12}
@@ -89,12 +89,10 @@ def measure(samples: ReferenceSamples, say: Callable[[str], None] = lambda text:
     """Every method at every accuracy on samples."""
     count, known = samples.known.size, int(samples.known.sum())
     rows = list[tuple[Row, Callable[[], Any]]]()
-    for method in ("quadrature", *STAGES):
-        if method == "quadrature" and samples.in_time:
-            continue
+    for method in samples.methods:
         say(f"measuring {count:,} {samples.kind} by {method}")
         asked = (*ASKED, FINEST) if method == "quadrature" else ASKED
-        rows += [_row(samples, samples.plan(method, accuracy)) for accuracy in asked]
+        rows += [_row(samples, plan(samples.observables, accuracy, method)) for accuracy in asked]
     say(f"timing {samples.kind}")
     seconds = _least_times([call for _, call in rows])
     timed = [replace(row, nanoseconds=t / count * 1e9) for (row, _), t in zip(rows, seconds, strict=True)]
@@ -116,7 +114,7 @@ def _least_times(calls: list[Callable[[], Any]]) -> list[float]:
 def _row(samples: ReferenceSamples, how: Plan) -> tuple[Row, Callable[[], Any]]:
     """A plan: its errors, what becomes of the samples, and the call that is timed."""
     call, known, code = partial(samples.call, how), samples.known, compiled.status.Status
-    tried = samples.compare(call(), how.accuracy)
+    tried = samples.compare(call())
     errors = tried.errors[known & np.isfinite(tried.errors)]
     median, p99, largest = np.percentile(errors, (50, 99, 100)).tolist() if errors.size else 3 * [np.nan]
     unresolved = tried.status[known] == code.UNRESOLVED_SIDE

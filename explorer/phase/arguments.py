@@ -19,17 +19,12 @@ Array = NDArray[np.float64]
 _LARGEST_TABLE = 10**9  # entries to which arguments may broadcast: 8 GB for each column
 
 
-def columns_of(**named: ArrayLike) -> list[Array]:
-    """The arguments as new flat columns of one length. InputError names what is not a number or does not fit."""
-    return read_columns(named)[0]
-
-
-def read_columns(named: dict[str, ArrayLike]) -> tuple[list[Array], tuple[int, ...]]:
+def read_columns(**named: ArrayLike) -> tuple[list[Array], tuple[int, ...]]:
     """Read arrays of numbers that belong together.
 
     Parameters
     ----------
-    named : dict of str to array_like
+    **named : array_like
         Arguments by name, as this module describes them.
 
     Returns
@@ -56,8 +51,6 @@ def read_columns(named: dict[str, ArrayLike]) -> tuple[list[Array], tuple[int, .
 
 def column(name: str, value: Any) -> Array:
     """Read one array of real numbers, as this module describes it. Raises InputError."""
-    if type(value) is np.ndarray and value.dtype == np.float64:
-        return value
     try:
         given = plain_array(value)
     except ValueError:  # of lists of several lengths
@@ -65,7 +58,7 @@ def column(name: str, value: Any) -> Array:
             f"{name} = {shown(value)} is not an array of real numbers; give one of one shape"
         ) from None
     if given.dtype.kind in "iuf":
-        return given.astype(np.float64)
+        return given.astype(np.float64, copy=False)
     entries = [entry_of(entry) for entry in given.ravel().tolist()] if given.dtype.kind == "O" else [None]
     if None in entries:
         remedy = "give numbers, not text" if given.dtype.kind in "US" else "give numbers"

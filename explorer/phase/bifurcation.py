@@ -12,16 +12,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from itertools import groupby
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from explorer.errors import one_of
+from explorer.phase.arguments import read_columns
 from explorer.phase.constants import constants_of
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import well
 from explorer.phase.potential import DEGENERATE, Potential, potential
-from explorer.phase.states import Array, columns_of
+from explorer.phase.states import Array
 from explorer.phase.steady import circular_rolling, steady_motions
 
 _CIRCLE = 0.25 * math.pi, 2.0  # lean (rad) and radius (radii of the disk) at which `thresholds` rolls
@@ -34,7 +36,7 @@ def stability_edges(disk: Disk, phi: ArrayLike) -> Array:
     one is the threshold of spinning upright; the slower one goes to zero there, to that of straight rolling.
     """
     require_axial_inertia(disk)
-    (angle,) = columns_of(phi=phi)
+    (angle,), _ = read_columns(phi=phi)
     b, q, z = disk.body, np.cos(angle), np.sin(angle)
     # Coefficients of the quadratic, highest power first.
     two = b.M * q * q + z * z * b.I1 * (2.0 - b.I3 / b.J)
@@ -125,11 +127,20 @@ class Branch:
     kind: str
 
 
-# The path's potential at a value of its parameter.
-PATHS: dict[str, Callable[[Disk, float], Potential]] = {
-    "spinning": lambda disk, sigma3_bar: potential(disk, sigma3_bar, sigma4_bar=0.0),
-    "rolling": lambda disk, sigma4_bar: potential(disk, 0.0, sigma4_bar=sigma4_bar),
-    "line": potential,
+class Path(NamedTuple):
+    """A path in the plane of constants of motion.
+
+    potential: at a value of its parameter. threshold: the parameter at which branches meet or reach flat.
+    """
+
+    potential: Callable[[Disk, float], Potential]
+    threshold: Callable[[Disk], float]
+
+
+PATHS = {
+    "spinning": Path(lambda disk, bar: potential(disk, bar, sigma4_bar=0.0), spinning_threshold),
+    "rolling": Path(lambda disk, bar: potential(disk, 0.0, sigma4_bar=bar), rolling_threshold),
+    "line": Path(potential, lambda disk: well(disk).sigma3_bar * disk.rate_unit),
 }
 
 
@@ -168,9 +179,11 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
     """
     require_axial_inertia(disk)
     one_of("path", path, PATHS)
-    (values,) = columns_of(parameter=parameter)
+    (values,), _ = read_columns(parameter=parameter)
     # The potential is quadratic in the constants of a path, the same where both change their signs.
-    steady = cache(lambda size: [at for at in PATHS[path](disk, size).equilibria if at.kind != DEGENERATE])
+    steady = cache(
+        lambda size: [at for at in PATHS[path].potential(disk, size).equilibria if at.kind != DEGENERATE]
+    )
     rows = [(value, steady(abs(float(value)))) for value in values]
     branches: list[Branch] = []
     for kinds, group in groupby(rows, key=lambda row: tuple(at.kind for at in row[1])):
@@ -183,21 +196,11 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
 
 
 @lru_cache(maxsize=8)
-def whole_path(disk: Disk, path: str) -> tuple[tuple[Branch, ...], tuple[float, ...]]:
-    """The branches along all of a path, and the thresholds on it; seconds of root-finding, so they are kept."""
-    values, edges = path_values(disk, path)
-    return bifurcation(disk, path, values), edges
-
-
-def path_values(disk: Disk, path: str) -> tuple[Array, tuple[float, ...]]:
-    """Values of a path's parameter, dense where branches meet or reach flat, and the thresholds on it."""
-    require_axial_inertia(disk)
-    one_of("path", path, PATHS)
-    if path == "line":
-        edge = well(disk).sigma3_bar * disk.rate_unit
-    else:
-        edge = spinning_threshold(disk) if path == "spinning" else rolling_threshold(disk)
+def whole_path(disk: Disk, path: str) -> tuple[Branch, ...]:
+    """The branches along all of a path, dense where they meet or reach flat; seconds of root-finding, so kept."""
     near = np.geomspace(1e-7, 1.0, 100)  # branches meet like a square root: up to tilts of 3e-4 rad
     # Towards zero tilts reach flat
-    half = edge * np.unique(np.concatenate([1.0 - near[:-1], 1.0 + near, np.geomspace(1e-5, 0.1, 40)]))
-    return np.concatenate([-half[::-1], half]), (edge, -edge)
+    half = PATHS[path].threshold(disk) * np.unique(
+        np.concatenate([1.0 - near[:-1], 1.0 + near, np.geomspace(1e-5, 0.1, 40)])
+    )
+    return bifurcation(disk, path, np.concatenate([-half[::-1], half]))

@@ -53,7 +53,6 @@ class Constants(Result):
     states: States
 
 
-@np.errstate(under="ignore")  # also where the user has set numpy to raise
 def constants_of(states: States) -> Constants:
     """Constants of motion of states, in a row; algebra, no integration."""
     disk, unit, motion = states.disk, states.disk.rate_unit, states.motion

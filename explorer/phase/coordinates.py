@@ -10,7 +10,7 @@ import math
 import warnings
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -83,13 +83,8 @@ def rates_to_states(
     -----
     sigma3 = sin^2(tilt) * precession and sigma4 = spin: eqs (2.14), (2.31) of Cushman & Duistermaat (2006).
     """
-    given = {"tilt": tilt, "precession": precession, "spin": spin, "tilt_rate": tilt_rate, "face": face}
-    (angle, turn, own, rate, down), shape = read_columns(given)
-    if flag("degrees", degrees):
-        angle, turn, own, rate = (np.radians(column) for column in (angle, turn, own, rate))
-    else:
-        warn_of_degrees(angle)
-    return replace(from_rates(disk, angle, turn, own, rate, down), shape=shape)
+    given = {"tilt": tilt, "tilt_rate": tilt_rate, "precession": precession, "spin": spin, "face": face}
+    return recognise(given).states(disk, given, flag("degrees", degrees))
 
 
 def from_rates(
@@ -104,14 +99,14 @@ def from_rates(
 
     A disk whose tilt_rate is not said is at the highest or the lowest point of its motion.
     """
-    given = {"tilt": tilt, "tilt_rate": tilt_rate, "precession": precession, "spin": spin, "face": face}
-    (angle, rate, turn, own, down), shape = read_columns(given)
+    columns, shape = read_columns(tilt=tilt, tilt_rate=tilt_rate, precession=precession, spin=spin, face=face)
+    angle, rate, turn, own, down = columns
     with np.errstate(all="ignore"):
         sigma3 = np.sin(angle) ** 2 * turn
     return replace(theta_to_states(disk, angle, rate, sigma3, own, down), shape=shape)
 
 
-def warn_of_degrees(angle: Array, stacklevel: int = 3) -> None:
+def warn_of_degrees(angle: Array, stacklevel: int = 4) -> None:
     """Warn where tilts (rad) are probably degrees that were read as radians."""
     known = angle[np.isfinite(angle)]
     if known.size and (known > 0.5 * np.pi).all():
@@ -170,13 +165,10 @@ def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
     Eqs (3.5), (6.2) and (2.19) of Cushman & Duistermaat (2006).
     """
     require_disk(disk)
-    given: dict[str, Any] = dict(coordinates)
-    if not {"theta", "tilt"} & given.keys():
-        given.setdefault("phi", 0.0)
-    chart, values = chart_of("coordinates", given, 0.0)
-    if "tilt" in values:
-        warn_of_degrees(column("tilt", values["tilt"]))
-    return chart.make(disk, **values)
+    if not {"theta", "tilt"} & coordinates.keys():
+        coordinates.setdefault("phi", 0.0)
+    chart, values = chart_of("coordinates", coordinates, 0.0)
+    return chart.states(disk, values)
 
 
 def _from_constants(disk: Disk, **given: ArrayLike) -> States:
@@ -185,7 +177,7 @@ def _from_constants(disk: Disk, **given: ArrayLike) -> States:
     speed = "energy" if "energy" in given else "phidot"
     given = {"phi": 0.0, "face": 1, **given}
     (phi, rate, first, second, face), shape = read_columns(
-        {name: given[name] for name in ("phi", speed, *spins, "face")}
+        **{name: given[name] for name in ("phi", speed, *spins, "face")}
     )
     inside = np.isfinite(phi) & (abs(phi) < 0.5 * np.pi) & (abs(face) == 1.0)
     motion = None
@@ -235,9 +227,9 @@ class Chart(NamedTuple):
         """The coordinates of this chart among `names`."""
         return tuple(name for name in self.names if name in names)
 
-    def states(self, disk: Disk, columns: Mapping[str, Array], degrees: bool = False) -> States:
+    def states(self, disk: Disk, columns: Mapping[str, ArrayLike], degrees: bool = False) -> States:
         """The states of a table. degrees: whether angles and rates are in degrees; energies never are."""
-        used = {name: columns[name] * angle_unit(name, degrees) for name in self.present(columns)}
+        used = {name: column(name, columns[name]) * angle_unit(name, degrees) for name in self.present(columns)}
         if "tilt" in used and not degrees:
             warn_of_degrees(used["tilt"])
         return self.make(disk, **used)

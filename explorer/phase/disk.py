@@ -149,7 +149,7 @@ class Disk:
         return cls(m=m, r=r, g=g, I1=positive("disk: I1", I1) * unit, I3=axial, name=name)
 
     @classmethod
-    def annulus(cls, inner: float, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
+    def annulus(cls, inner: float | str, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """A flat uniform ring; inner is the ratio of its inner radius to its outer one, 0 (disk) to 1 (hoop).
 
         Examples
@@ -158,8 +158,10 @@ class Disk:
         >>> ex.Disk.annulus(0.5).I3
         0.625
         """
-        inner = number("disk: annulus (inner over outer radius, between 0 and 1)", inner, 0.0, 1.0)
-        return cls.from_ratios(I1=0.25 * (1.0 + inner * inner), m=m, r=r, g=g, name=f"annulus-{inner:g}")
+        ratio = number(
+            "disk: annulus (inner over outer radius, between 0 and 1, as in annulus:0.5)", inner, 0.0, 1.0
+        )
+        return cls.from_ratios(I1=0.25 * (1.0 + ratio * ratio), m=m, r=r, g=g, name=f"annulus-{ratio:g}")
 
     @classmethod
     def uniform(cls, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
@@ -212,10 +214,7 @@ class Disk:
         head, _, rest = text.strip().partition(":")
         if head == "annulus":
             inner, _, scales = rest.partition(",")
-            ratio = double_of(inner)
-            if ratio is None:
-                raise InputError(f"disk {shown(text)}: give its inner over its outer radius, as in annulus:0.5")
-            return _preset(partial(cls.annulus, ratio), scales)
+            return _preset(partial(cls.annulus, inner), scales)
         if head in PRESETS:
             return _preset(getattr(cls, head), rest)
         if text.strip().endswith(".toml"):

@@ -86,19 +86,20 @@ class Well(NamedTuple):
     sigma3_bar: float
 
 
+def critical_X2(disk: Disk, phi: Array) -> Array:
+    """(sigma3_bar/r(0))^2 of the steady motions on l_+ at phi < 0, beyond the vertical; natural units."""
+    out = np.empty(phi.size)
+    compiled.falling.critical_X2_batch(phi, disk.natural, out)
+    return out
+
+
 @lru_cache(maxsize=64)
 def well(disk: Disk) -> Well:
     """Where the non-falling well on l_+ disappears.
 
     For |sigma3_bar| below sigma3_bar* the line also carries a well whose motions never fall.
     """
-
-    def critical(phi: Array) -> Array:
-        out = np.empty(phi.size)
-        compiled.falling.critical_X2_batch(phi, disk.natural, out)
-        return out
-
-    phi = np.linspace(*_BEYOND_VERTICAL, _PLACES)
+    phi, critical = np.linspace(*_BEYOND_VERTICAL, _PLACES), partial(critical_X2, disk)
     beside = phi[int(np.argmax(critical(phi))) + np.array([-1, 1])]
     slope = Chebyshev.interpolate(critical, _PEAK_DEGREE, domain=beside).deriv()
     (top,) = (float(x.real) for x in slope.roots() if x.imag == 0.0 and beside[0] < x.real < beside[1])
@@ -140,7 +141,6 @@ def barrier(disk: Disk, sigma3_bar: Array, term: str = "V") -> Array:
 KERNELS = "algebra.constants_batch", "falling.barrier_batch", "falling.critical_X2_batch", "falling.falls_batch"
 
 
-@np.errstate(under="ignore")  # also where the user has set numpy to raise
 def falls_of(states: States) -> Falls:
     """The position of states relative to F, in a row."""
     disk, code = states.disk, compiled.status.Status

@@ -86,13 +86,6 @@ class LineChart(NamedTuple):
             self.bar_to_sigma4 * sigma3_bar + self.eta_hat_to_sigma4 * eta_hat,
         )
 
-    def constants(self, sigma3: Any, sigma4: Any) -> tuple[Array, Array]:
-        """sigma3_bar and eta_hat: the inverse of `rates`, simple since the determinant is -1."""
-        return (
-            self.eta_hat_to_sigma3 * sigma4 - self.eta_hat_to_sigma4 * sigma3,
-            self.bar_to_sigma4 * sigma3 - self.bar_to_sigma3 * sigma4,
-        )
-
 
 def line_chart(disk: Disk, q: Array, z: Array) -> LineChart:
     """The chart where cos phi = q and sin phi = z, arrays of one length. Needs I3 > 0."""

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from explorer.errors import InputError, number, shown, sign
+from explorer.errors import InputError, number, sign
 from explorer.phase.arguments import column, read_range
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope, nearer_plus, other_eta_hat
@@ -29,7 +29,6 @@ _EPS = float(np.finfo(float).eps)
 _FLAT = 1e-8  # tilt (rad), at rates of order 1, below which V' keeps its sign where V ends at V_0
 _WALL = 1e-6  # the same beside a line, as a share of |eta_hat|: there the wall is far above all else
 _SMALLEST = 1e-290  # rad; doubles of cosh y end soon after
-_FARTHEST = 700.0  # in size, of y: there they do
 _POINTS = 400  # of a curve, and some more where it runs to flat
 _LARGEST = 1e100  # of a constant of motion; squares of larger ones overflow
 _TOLD_APART = 1e-10  # of an energy: levels as far apart differ by many roundings, also at the fastest rates
@@ -42,7 +41,6 @@ class Equilibrium:
     """A steady motion: phi and theta, its tilt from the nearer flat state (rad); V and its second derivative.
 
     kind: centre (stable, V'' > 0), saddle (unstable, V'' < 0) or degenerate (V'' = 0 to rounding).
-    residual: |V'| there, as a multiple of the rounding of its terms.
     """
 
     phi: float
@@ -50,7 +48,6 @@ class Equilibrium:
     energy: float
     curvature: float
     kind: str
-    residual: float
     y: float
 
 
@@ -200,12 +197,11 @@ class Potential:
         """sigma3/cos phi at phi (rad), units of the disk: cos phi times the rate of chi, so finite near flat."""
         return self._of_phi(phi, "rho", self.disk.rate_unit)
 
+    @np.errstate(over="ignore")  # at a wall so far out that it is flat
     def at_y(self, y: ArrayLike) -> Terms:
-        """As `terms`, at the phi with sin phi = tanh y."""
-        values = np.ravel(column("y", y))
-        if np.any(abs(values) > _FARTHEST):
-            raise InputError(f"y = {shown(y)}: sin phi = tanh y is flat there; give up to {_FARTHEST:g} in size")
-        return self.terms(1.0 / np.cosh(values), np.tanh(values))
+        """As `terms`, as flat arrays, at the phi with sin phi = tanh y."""
+        places = np.ravel(y)
+        return self.terms(1.0 / np.cosh(places), np.tanh(places))
 
     def at_flat(self, face: int) -> float:
         """V at a flat state in natural units: V_0 on its line, eq. (6.9); infinite off it."""
@@ -238,19 +234,14 @@ class Potential:
 
     def _term(self, name: str, value: float = 0.0) -> Callable[[Array], Array]:
         """A term, less a value, as a function of y."""
-
-        def excess(y: Array) -> Array:
-            above: Array = getattr(self.at_y(y), name).reshape(y.shape) - value
-            return above
-
-        return excess
+        return lambda y: getattr(self.at_y(y), name).reshape(y.shape) - value
 
     def _equilibrium(self, y: float) -> Equilibrium:
-        V, slope, curved, size, _ = (float(values[0]) for values in self.at_y(y))
+        V, _, curved, size, _ = (float(values[0]) for values in self.at_y(y))
         sharp = 1e-13 * (size + 1.0)  # V'' below this is lost in the rounding of its terms
         kind = DEGENERATE if abs(curved) <= sharp else CENTRE if curved > 0.0 else SADDLE
-        unit, residual = self.disk.energy_unit, abs(slope) / (_EPS * size or 1.0)
-        return Equilibrium(_phi(y), 2.0 * math.atan(math.exp(-abs(y))), V * unit, curved * unit, kind, residual, y)
+        unit = self.disk.energy_unit
+        return Equilibrium(_phi(y), 2.0 * math.atan(math.exp(-abs(y))), V * unit, curved * unit, kind, y)
 
     @cached_property
     def _stops(self) -> tuple[Array, Array]:
@@ -345,7 +336,6 @@ class Potential:
 
         Every motion tilts both ways sooner or later, so it is enough that one flat state is within reach.
         """
-        y = np.ravel(column("y", y))
         every = np.union1d(y, self._stops[0][1:-1])
         V = self.at_y(every).V
         # The highest V on the way to the left, and to the right.

@@ -4,7 +4,6 @@ import html
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import fields, replace
-from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 import numpy as np
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 Status = compiled.status.Status
+_NAMES = [code.name.lower() for code in Status]
 _SHOWN = 6  # columns whose medians the description gives: what fits on a screen beside code
 COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
 _SIDED = ("race_angle", "delta_chi", "delta_psi")  # whose medians are told for each side of F
@@ -39,12 +39,20 @@ class WithStatus:
     @property
     def status_names(self) -> NDArray[np.str_]:
         """The status of each sample as a word, such as 'ok' or 'falls'."""
-        return status_names(self.status)
+        return np.asarray(np.array(_NAMES)[self.status])
 
     def _counted(self) -> str:
         """How many samples have each status, in words."""
         counts = Counter(self.status_names.ravel().tolist())
         return ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "none"
+
+
+def require_ok(found: WithStatus, what: str) -> None:
+    """Raise InputError where a sample is not ok: `what`, and the sentence and the remedy of the first status."""
+    failed = found.status[~found.ok]
+    if failed.size:
+        code = Status(int(failed[0]))
+        raise InputError(f"{what}: {code.sentence} {code.remedy}")
 
 
 class Table:
@@ -75,17 +83,28 @@ class Table:
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
         """All arrays by name, the arguments first."""
-        return self._arrays()
+        states = getattr(self, "states", None)
+        names = COORDINATES if states is not None else ()
+        return {name: self._of_each_state(getattr(states, name)) for name in names} | self._arrays()
 
-    def _chosen(self, rows: Any) -> tuple[dict[str, NDArray[Any]], Any]:
-        """Arrays of some samples, indexed as an array of this shape is, and the states of these."""
+    def _of_each_state(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Values of the states, one for each entry of the arrays.
+
+        What follows a state has its axes first and may have more, for its bounces for instance.
+        """
+        shape = getattr(self, "states", self).shape
+        more = (1,) * (len(self.shape) - len(shape))
+        return np.broadcast_to(values.reshape(*shape, *more), self.shape)
+
+    def _chosen(self, rows: Any) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+        """Arrays of some samples, indexed as an array of this shape is; and their `states`."""
         places = np.atleast_1d(np.arange(self.size).reshape(self.shape)[rows])
         flat = {name: v.reshape(self.size, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
-        states = getattr(self, "states", None)
-        if states is not None:
-            each = states.at(places.ravel() // max(self.size // max(len(states), 1), 1))
-            states = replace(each, shape=places.shape)
-        return {name: values[places] for name, values in flat.items()}, states
+        arrays, states = {name: values[places] for name, values in flat.items()}, getattr(self, "states", None)
+        if states is None:
+            return arrays, {}
+        each = states.at(places.ravel() // max(self.size // max(len(states), 1), 1))
+        return arrays, {"states": replace(each, shape=places.shape)}
 
     def _flat(self) -> dict[str, NDArray[Any]]:
         """Columns with one entry for each sample; a vector becomes several, `path` path_x, path_y and path_z."""
@@ -102,13 +121,7 @@ class Table:
 
     def to_pandas(self) -> "pd.DataFrame":
         """A DataFrame with one row for each sample, in the order of flattened arrays; status by name."""
-        import pandas as pd
-
-        columns = self._flat()
-        frame = pd.DataFrame(columns)
-        if "status" in columns:
-            frame["status"] = pd.Categorical(status_names(columns["status"]), _names())
-        return frame
+        return self.to_arrow().to_pandas()
 
     def to_arrow(self) -> "pa.Table":
         """The table of `to_pandas`, in Arrow; the metadata of each field say its meaning, unit and equation."""
@@ -177,27 +190,7 @@ class Result(WithStatus, Table):
     def __getitem__(self, rows: Any) -> Self:
         """Some of the samples. Index as you would an array of this shape: by a number, a slice or a mask."""
         arrays, states = self._chosen(rows)
-        if states is None:
-            return replace(self, **arrays)  # type: ignore[type-var]
-        return replace(self, **arrays, states=states)  # type: ignore[type-var]
-
-    @property
-    def columns(self) -> dict[str, NDArray[Any]]:
-        """All arrays by name, the arguments first."""
-        states = getattr(self, "states", None)
-        if states is None:
-            return self._arrays()
-        given = {name: self._of_each_state(np.asarray(getattr(states, name))) for name in COORDINATES}
-        return {**given, **self._arrays()}
-
-    def _of_each_state(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Values of the states, one for each entry of the arrays.
-
-        What follows a state has its axes first and may have more, for its bounces for instance.
-        """
-        shape = getattr(self, "states", self).shape
-        more = (1,) * (len(self.shape) - len(shape))
-        return np.broadcast_to(values.reshape(*shape, *more), self.shape)
+        return replace(self, **arrays, **states)  # type: ignore[type-var]
 
     def reshaped(self, shape: tuple[int, ...]) -> Self:
         """The same result with arrays of another shape."""
@@ -252,20 +245,10 @@ def _spread(values: NDArray[Any]) -> str:
     return f"{middle:.6g}" if values.size == 1 else f"median {middle:.6g}, {low:.6g} to {high:.6g}"
 
 
-@cache
-def _names() -> list[str]:
-    return [code.name.lower() for code in Status]
-
-
-def status_names(codes: NDArray[Any]) -> NDArray[np.str_]:
-    """Statuses as words."""
-    return np.asarray(np.array(_names())[codes])
-
-
 def status_codes(names: NDArray[Any]) -> NDArray[np.int8]:
     """Statuses as numbers, from words. Raises ValueError for a word that is none."""
     known, place = np.unique(np.asarray(names, dtype=str), return_inverse=True)
-    return np.array([_names().index(str(name)) for name in known], dtype=np.int8)[place]
+    return np.array([_NAMES.index(str(name)) for name in known], dtype=np.int8)[place]
 
 
 def to_arrow(columns: dict[str, NDArray[Any]]) -> "pa.Table":
@@ -276,7 +259,7 @@ def to_arrow(columns: dict[str, NDArray[Any]]) -> "pa.Table":
     for name, values in columns.items():
         if name == "status" and values.dtype.kind in "iu":
             codes = _arrow_array(values.astype(np.int8))
-            array = pa.DictionaryArray.from_arrays(codes, _arrow_texts(_names()))
+            array = pa.DictionaryArray.from_arrays(codes, _arrow_texts(_NAMES))
         else:
             array = _arrow_array(values)
         known = COLUMNS.get(name) or COLUMNS.get(name.rpartition("_")[0])

@@ -15,16 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, shown
-from explorer.phase.arguments import columns_of as columns_of
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
 from explorer.phase.disk import Array as Array
 from explorer.phase.lines import Motion, line_slope, motion_given, motion_through, rows_of
 from explorer.phase.results import COORDINATES as COORDINATES
 from explorer.phase.results import WithStatus
-
-# Also where the user has set numpy to raise.
-_UNDERFLOW_IS_ZERO = np.errstate(under="ignore")
 
 
 class StateWarning(UserWarning):
@@ -144,25 +140,21 @@ class States(WithStatus):
         return Motion(*(np.where(bad, np.nan, column) for column in motion)) if bad.any() else motion
 
     @property
-    @_UNDERFLOW_IS_ZERO
     def phi(self) -> Array:
         """Angle of the disk's plane to the vertical (rad)."""
         return self._known(np.arctan2(self.rows.z, self.rows.q))
 
     @property
-    @_UNDERFLOW_IS_ZERO
     def phidot(self) -> Array:
         """Rate of phi (units of the disk)."""
         return self._known(-self.rows.p * self.disk.rate_unit)
 
     @property
-    @_UNDERFLOW_IS_ZERO
     def sigma3(self) -> Array:
         """sigma3 of eq. (2.14) (units of the disk)."""
         return self._known(self.rows.q * self.rows.rho * self.disk.rate_unit)
 
     @property
-    @_UNDERFLOW_IS_ZERO
     def sigma4(self) -> Array:
         """Spin sigma4 of eq. (2.14) (units of the disk)."""
         return self._known(self.rows.sigma4 * self.disk.rate_unit)
@@ -210,8 +202,7 @@ def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLi
     array([1., 2., 3.])
     """
     require_disk(disk)
-    given = {"phi": phi, "phidot": phidot, "sigma3": sigma3, "sigma4": sigma4}
-    (tilt, rate, s3, s4), shape = read_columns(given)
+    (tilt, rate, s3, s4), shape = read_columns(phi=phi, phidot=phidot, sigma3=sigma3, sigma4=sigma4)
     angle = np.where(np.isfinite(tilt), tilt, np.pi)
     with np.errstate(all="ignore"):
         if angle.size and (angle == angle[0]).all():
@@ -259,13 +250,13 @@ def theta_to_states(
     array([1.e-200, 1.e+000, 5.e-001])
     """
     require_disk(disk)
-    given = {"theta": theta, "thetadot": thetadot, "sigma3": sigma3, "sigma4": sigma4, "face": face}
-    (tilt, rate, s3, s4, s), shape = read_columns(given)
+    columns, shape = read_columns(theta=theta, thetadot=thetadot, sigma3=sigma3, sigma4=sigma4, face=face)
+    tilt, rate, s3, s4, s = columns
     good = (tilt > 0.0) & (tilt < np.pi) & (abs(s) == 1.0)
     tilt, s = np.where(good, tilt, 1.0), np.where(good, s, 1.0)
     with np.errstate(all="ignore"):
-        columns = np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4
-    return _states(disk, columns, good, shape)
+        seen = np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4
+    return _states(disk, seen, good, shape)
 
 
 def constants_to_states(
@@ -307,8 +298,8 @@ def constants_to_states(
     array([1.e+000, 1.e-297])
     """
     slope = line_slope(disk)
-    given = {"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot, "face": face}
-    (s3, distance, rate, s), shape = read_columns(given)
+    columns, shape = read_columns(sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, face=face)
+    s3, distance, rate, s = columns
     with np.errstate(all="ignore"):
         s4 = s * (slope * s3 - distance)
         motion = motion_given(disk, s3 / disk.rate_unit, distance / disk.rate_unit, s > 0.0)

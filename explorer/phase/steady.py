@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import InputError, flag, number
 from explorer.phase.arguments import read_columns
-from explorer.phase.coordinates import from_rates, warn_of_degrees
+from explorer.phase.coordinates import angle_unit, from_rates, warn_of_degrees
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.potential import curvature_of
 from explorer.phase.results import Result
@@ -114,11 +114,10 @@ def steady_motions(
     True
     """
     require_axial_inertia(disk)
-    (angle, rate, down), shape = read_columns({"tilt": tilt, "precession": precession, "face": face})
-    if flag("degrees", degrees):
-        angle, rate = np.radians(angle), np.radians(rate)
-    else:
-        warn_of_degrees(angle)
+    (angle, rate, down), shape = read_columns(tilt=tilt, precession=precession, face=face)
+    angle, rate = (column * angle_unit("tilt", flag("degrees", degrees)) for column in (angle, rate))
+    if not degrees:
+        warn_of_degrees(angle, 3)
     b, unit, code = disk.body, disk.rate_unit, compiled.status.Status
     with np.errstate(all="ignore"):
         phi, turn = down * (0.5 * np.pi - angle), rate / unit

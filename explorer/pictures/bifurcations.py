@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from explorer.errors import InputError, one_of
-from explorer.phase.bifurcation import PATHS, Branch, bifurcation, path_values, whole_path
+from explorer.phase.bifurcation import PATHS, Branch, bifurcation, whole_path
 from explorer.phase.disk import Disk
 from explorer.phase.potential import CENTRE, SADDLE, Component, Potential
 from explorer.phase.states import Array
@@ -70,18 +70,19 @@ def bifurcation_of_tilts(ax: Axes, disk: Disk, path: str) -> None:
     path: "spinning" (sigma4_bar = 0), "rolling" (sigma3_bar = 0) or "line" (on l_+), as for
     `explorer.bifurcation`.
     """
-    branches, marks = whole_path(disk, one_of("path", path, PATHS))
+    threshold = PATHS[one_of("path", path, PATHS)].threshold(disk)
+    branches, marks = whole_path(disk, path), (threshold, -threshold)
     looks: dict[str, tuple[Any, str]] = {CENTRE: ("-", "stable"), SADDLE: ((0, (3, 1.5)), "unstable")}
     seen: set[str] = set()
     for branch in branches:
         line, name = looks[branch.kind]
         ax.plot(branch.parameter, branch.phi, color=DARK, ls=line, lw=2.0, label=None if name in seen else name)
         seen.add(name)
-    name = f"threshold ±{max(marks) / disk.rate_unit:.5f}{_EXACT.get((disk.name, path), '')}"
+    name = f"threshold ±{threshold / disk.rate_unit:.5f}{_EXACT.get((disk.name, path), '')}"
     for mark in marks:
         ax.axvline(mark, color=SERIES[1], lw=1.4, ls=":", label=name if mark > 0.0 else None)
     if path == "line":
-        ax.set_xlim(1.8 * min(marks), 1.8 * max(marks))
+        ax.set_xlim(-1.8 * threshold, 1.8 * threshold)
         for mark in marks:
             ax.text(1.4 * mark, 0.0, "no steady\nmotion", ha="center", va="center", fontsize=SMALL)
     ax.set_ylim(-1.68, 1.68)
@@ -111,7 +112,7 @@ def bifurcation_of_energies(
     path: as for bifurcation-of-tilts. places: the points that get a letter, each a pair: the parameter of the path
     and the energy, units of the disk; by default one in each region.
     """
-    threshold = max(path_values(disk, one_of("path", path, PATHS))[1])
+    threshold = PATHS[one_of("path", path, PATHS)].threshold(disk)
     places = [place for place, _ in _of_places(disk, path, threshold, places)]
     near = np.geomspace(1e-6, 0.2, 90)  # dense at zero and at the threshold, to well beyond
     parameter = threshold * np.unique(np.concatenate([near, np.linspace(0.2, 1.5, 40), 1.0 - near, 1.0 + near]))
@@ -170,7 +171,7 @@ def portraits_of_regions(
 
     path, places: as there.
     """
-    threshold = max(path_values(disk, one_of("path", path, PATHS))[1])
+    threshold = PATHS[one_of("path", path, PATHS)].threshold(disk)
     found = _of_places(disk, path, threshold, places)
     rows = -(-len(found) // 3)
     panels = figure.subplots(rows, -(-len(found) // rows), sharex=True, sharey=True, squeeze=False)
@@ -195,7 +196,7 @@ def _of_places(
 ) -> list[tuple[tuple[float, float], Potential]]:
     """Places, by default one in each region, with their potentials. Raises InputError where there is no motion."""
     chosen = one_in_each_region(disk, path, threshold) if places is None else places
-    found = [(place, PATHS[path](disk, place[0])) for place in chosen]
+    found = [(place, PATHS[path].potential(disk, place[0])) for place in chosen]
     for (at, energy), potential in found:
         if not energy > potential.bottom:
             least = f"give more than {potential.bottom:g}"
@@ -206,10 +207,10 @@ def _of_places(
 def one_in_each_region(disk: Disk, path: str, threshold: float) -> list[tuple[float, float]]:
     """Between the levels on one side of the threshold and above them, and as high on its other side."""
     inner, outer = (share * threshold for share in _SHARES)
-    levels = _changes(PATHS[path](disk, inner))
+    levels = _changes(PATHS[path].potential(disk, inner))
     energies = [0.5 * (low + high) for low, high in pairwise(levels)]
     energies.append(levels[-1] + 0.25 * disk.energy_unit)
-    beyond = max(energies[-1], _changes(PATHS[path](disk, outer))[-1] + 0.1 * disk.energy_unit)
+    beyond = max(energies[-1], _changes(PATHS[path].potential(disk, outer))[-1] + 0.1 * disk.energy_unit)
     return [(inner, energy) for energy in energies] + [(outer, beyond)]
 
 
@@ -241,7 +242,7 @@ def least_energies(disk: Disk, path: str, parameter: Array, branches: Sequence[B
         return np.asarray(disk.energy_at_flat(parameter / disk.rate_unit)) * disk.energy_unit
     floor = _along(parameter, branches, CENTRE, np.fmin)
     for row in np.flatnonzero(np.isnan(floor)):  # at the threshold, where the one steady motion is of no branch
-        floor[row] = PATHS[path](disk, float(parameter[row])).bottom
+        floor[row] = PATHS[path].potential(disk, float(parameter[row])).bottom
     return floor
 
 

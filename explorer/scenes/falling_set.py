@@ -125,7 +125,7 @@ class FallingSet(FromStates):
             rows = np.flatnonzero(self.near(table))
             states = states.at(rows)
         if self.theta_min != "none":
-            found = smallest_tilt(states, self.plan, table["status"][rows])
+            found = smallest_tilt(states, self.plan)
             for name, values in zip(("theta_min", "status", "steps"), found, strict=True):
                 table[name][rows] = values
         return block.with_results(table)

@@ -122,7 +122,7 @@ class OneSided(Scene):
 
     @property
     def kernels(self) -> tuple[str, ...]:
-        return *limit_motions.KERNELS, *self.plan.motions
+        return *limit_motions.KERNELS, self.plan.in_time.kernel
 
     def chunk(self, index: int) -> tuple[Table, Approach]:
         (disk, first, _), tally = self.parts[index], Approach()

@@ -8,6 +8,7 @@ import pytest
 import explorer as ex
 from explorer.commands import main as cli
 from explorer.commands import trade
+from explorer.motion.plan import plan
 from explorer.motion.work_precision import ASKED
 
 
@@ -15,12 +16,11 @@ def test_passages_of_a_trade_are_those_of_the_run():
     given = {"disk": "hoop", "samples": 500, "seed": 3, "eta_hat": "1e-7:1e-1", "box": "phidot=0.3:1"}
     samples, motions = trade.Trading(motions=5, **given).reference_samples()
     run = ex.run("race-angles", keep="all", **given).frame()
-    found, _ = samples.call(samples.plan("quadrature", 1e-6))
+    found, _ = samples.call(plan(samples.observables, 1e-6, "quadrature"))
     assert np.array_equal(found.eta_hat, run["eta_hat"])
     assert np.array_equal(found.face * found.phidot, run["phidot"])
     assert np.array_equal(found.race_angle, run["race_angle"])
-    ((states, _),) = motions.groups
-    np.testing.assert_allclose(ex.constants(states).sigma3_bar, run["sigma3_bar"][:5], rtol=1e-12)
+    np.testing.assert_allclose(ex.constants(motions.states).sigma3_bar, run["sigma3_bar"][:5], rtol=1e-12)
 
 
 def test_passages_at_all_distances_are_measured_unless_it_is_said():

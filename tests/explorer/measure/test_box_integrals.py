@@ -16,9 +16,7 @@ UNIFORM, COIN = BODIES["uniform"], BODIES["coin"]
 
 
 def over_tilts(f, pieces):
-    return Integrator(UNIFORM, Density.of(UNIFORM), 1e-9).over_tilts(
-        lambda phi: np.stack([f(phi), f(phi)]), pieces
-    )
+    return Integrator(UNIFORM, Density.of(UNIFORM)).over_tilts(lambda phi: np.stack([f(phi), f(phi)]), pieces)
 
 
 def test_an_integral_over_tilts_is_that_of_its_pieces():

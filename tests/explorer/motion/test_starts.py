@@ -4,7 +4,7 @@ import numpy as np
 from conftest import BODIES
 
 import explorer as ex
-from explorer.motion.starts import arc_starts_of, face_of, status_at_start, status_of_period
+from explorer.motion.starts import arc_starts, face_of, status_at_start, status_of_period
 from explorer.phase.lines import line_slope
 from explorer.phase.states import constants_to_states, phi_to_states, theta_to_states
 
@@ -54,7 +54,7 @@ def test_motions_are_seen_from_the_hemisphere_they_start_in(body):
     rates = np.array([0.3, 0.8, -0.2]) * body.rate_unit
     states = theta_to_states(body, 0.4, *rates, [1, -1])
     motion, b = states.motion, body.body
-    starts, Y_far, *unsure = arc_starts_of(states, face_of(states))
+    starts, Y_far, *unsure = arc_starts(states.disk, states.rows, states.motion, face_of(states) > 0.0)
     assert np.max(unsure) < 1e-14
     np.testing.assert_allclose(starts.r, np.tan(0.2))
     np.testing.assert_allclose(starts.w, 1.0 - np.tan(0.2) ** 2)

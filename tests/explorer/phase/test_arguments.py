@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from explorer.errors import InputError
-from explorer.phase.arguments import column, columns_of, read_columns, returned_numbers
+from explorer.phase.arguments import column, read_columns, returned_numbers
 
 
 @pytest.mark.parametrize(
@@ -74,20 +74,20 @@ def test_what_a_function_returned_keeps_its_type_and_is_numbers_or_bools():
 
 
 def test_columns_have_the_shape_to_which_arguments_broadcast():
-    (phi, rate), shape = read_columns({"phi": np.zeros((3, 1)), "phidot": [1.0, 2.0]})
+    (phi, rate), shape = read_columns(phi=np.zeros((3, 1)), phidot=[1.0, 2.0])
     assert shape == (3, 2)
     np.testing.assert_array_equal(rate, [1.0, 2.0] * 3)
     assert phi.shape == (6,)
-    assert read_columns({"phi": 1.0})[1] == (1,)
+    assert read_columns(phi=1.0)[1] == (1,)
 
 
 def test_what_was_given_is_not_what_is_returned():
     given = np.array([1.0, 2.0])
-    (read,) = columns_of(phi=given)
+    (read,), _ = read_columns(phi=given)
     read[0] = 7.0
     np.testing.assert_array_equal(given, [1.0, 2.0])
 
 
 def test_a_table_that_no_memory_holds_is_refused_at_once():
     with pytest.raises(InputError, match=r"broadcast to \(100000, 100000\); give up to"):
-        columns_of(phi=np.zeros((100_000, 1)), phidot=np.zeros(100_000))
+        read_columns(phi=np.zeros((100_000, 1)), phidot=np.zeros(100_000))

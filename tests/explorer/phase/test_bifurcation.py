@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 import explorer as ex
 from explorer.phase.bifurcation import (
+    PATHS,
     bifurcation,
     fold_curve,
     last_unstable_tilt,
@@ -93,12 +94,12 @@ def test_saddle_nodes_have_no_slope_and_no_curvature_and_meet_the_line_where_the
 
 @pytest.mark.parametrize("path", ["spinning", "rolling", "line"])
 def test_branches_of_a_path_change_at_its_threshold(path):
-    branches, marks = whole_path(UNIFORM, path)
+    branches, threshold = whole_path(UNIFORM, path), PATHS[path].threshold(UNIFORM)
     saddles = np.concatenate([branch.parameter for branch in branches if branch.kind == SADDLE])
-    assert saddles.max() == pytest.approx(marks[0], rel=1e-6)
-    assert saddles.max() < marks[0]
+    assert saddles.max() == pytest.approx(threshold, rel=1e-6)
+    assert saddles.max() < threshold
     assert saddles.min() == -saddles.max()
-    outside = [b for b in branches if b.parameter.min() > marks[0]]
+    outside = [b for b in branches if b.parameter.min() > threshold]
     assert {b.kind for b in outside} == (set() if path == "line" else {CENTRE})
 
 

@@ -63,7 +63,8 @@ def test_derivatives_are_those_of_v(body, row):
 def test_equilibria_solve_v_prime_and_none_is_missed(body, row):
     potential = made(body, row)
     for at in potential.equilibria:
-        assert at.residual < 50.0
+        _, slope, _, size, _ = potential.at_y(at.y)
+        assert abs(slope[0]) <= 50.0 * np.finfo(float).eps * size[0]
         assert at.theta == pytest.approx(0.5 * math.pi - abs(at.phi), abs=1e-15)
         assert (at.curvature > 0.0) == (at.kind == CENTRE)
     # A finer count of sign changes, in phi rather than y, away from flat
@@ -259,9 +260,9 @@ def test_bad_arguments_get_a_sentence():
         ex.potential(UNIFORM, 0.2).V(2.0)
 
 
-@pytest.mark.parametrize(("method", "wrong"), [("at_y", 1e3), ("falling_edge", [0.0, -(2**64)]), ("rho", np.inf)])
+@pytest.mark.parametrize(("method", "wrong"), [("V", 1e3), ("d2V", [0.0, -(2**64)]), ("rho", np.inf)])
 def test_what_lies_beyond_flat_is_refused_by_its_name(method, wrong):
-    with pytest.raises(ex.InputError, match=r"^(y = |phi: )"):
+    with pytest.raises(ex.InputError, match=r"^phi: "):
         getattr(ex.potential(ex.Disk.uniform(), 0.25, 0.01), method)(wrong)
 
 

@@ -8,7 +8,7 @@ from conftest import BODIES
 from matplotlib.colors import to_hex
 
 import explorer as ex
-from explorer.phase.bifurcation import PATHS, bifurcation, path_values, stability_edges
+from explorer.phase.bifurcation import PATHS, bifurcation, stability_edges
 from explorer.pictures.bifurcations import least_energies, one_in_each_region
 from explorer.pictures.bodies import gap_of, race_number_of
 from explorer.pictures.near_flat import followed
@@ -75,16 +75,16 @@ def test_eta_vanishes_on_the_lines_of_both_faces():
 
 @pytest.mark.parametrize(("path", "counts"), [("line", [1, 2, 1, 1]), ("rolling", [2, 1, 1])])
 def test_there_is_one_place_in_each_region_of_the_energies(path, counts):
-    threshold = max(path_values(HOOP, path)[1])
+    threshold = PATHS[path].threshold(HOOP)
     places = one_in_each_region(HOOP, path, threshold)
-    assert [len(PATHS[path](HOOP, at).components(energy)) for at, energy in places] == counts
+    assert [len(PATHS[path].potential(HOOP, at).components(energy)) for at, energy in places] == counts
     floor = least_energies(HOOP, path, np.array([at for at, _ in places]), bifurcation(HOOP, path, [places[0][0]]))
     assert all(energy > least for (_, energy), least in zip(places, floor, strict=True))
 
 
 def test_the_least_energy_has_no_gap_at_the_threshold_where_the_steady_motion_is_of_no_branch():
     thick = ex.Disk(I1=0.5, I3=0.3, name="thick")
-    edge = max(path_values(thick, "rolling")[1])
+    edge = PATHS["rolling"].threshold(thick)
     at = edge * np.array([1.0 - 1e-3, 1.0, 1.0 + 1e-3])
     low, middle, high = least_energies(thick, "rolling", at, bifurcation(thick, "rolling", at))
     assert middle == pytest.approx(0.5 * (low + high), rel=1e-3)
