@@ -10,23 +10,29 @@ from typing import TYPE_CHECKING, Any
 
 from explorer.commands import Answer
 from explorer.runs.settings import Settings, asked
-from explorer.scenes.options import first_line
+from explorer.scenes.options import first_line, key_of, options_of
 from explorer.scenes.scene import NAMES, Scene, read_scene_file, scene_class
 
 if TYPE_CHECKING:
     from explorer.runs.run import Run
 
+_ALONE = {
+    f"--{name}"
+    for name in ("resume", "replace", "json", "quiet", "figures", "no-figures", "degrees", "no-degrees")
+}
 _APART = ("scene", "command", "command_line", "call", "json", "quiet")  # which are no options of a run
 
 
 def scene_named(words: Sequence[str]) -> type[Scene]:
     """The class of the scene that a command names; that of all scenes where none is named."""
-    # The options of a scene may stand before its name; a name that is not known stands first, or is not found.
-    known = [word for word in words if word in NAMES or word.endswith(".toml") or ".py:" in word]
-    first = [word for word in words[:1] if word and not word.startswith("-")]
-    if not (known or first):
+    # Options may stand before it: it is the first word that is neither one nor the value of one.
+    values = {
+        i + 1 for i, word in enumerate(words) if word.startswith("--") and "=" not in word and word not in _ALONE
+    }
+    free = [word for i, word in enumerate(words) if word and not word.startswith("-") and i not in values]
+    if not free:
         return Scene
-    named = [*known, *first][0]
+    named = free[0]
     return scene_class(read_scene_file(Path(named))["scene"] if named.endswith(".toml") else named)
 
 
@@ -56,6 +62,8 @@ def given_by(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
     given: dict[str, Any] = {"scene": options.scene}
     if str(options.scene).endswith(".toml"):
         given = read_scene_file(Path(options.scene))
+        names = {key_of(each): each.name for each in options_of(scene_class(given["scene"]))}
+        given = {names.get(key, key): value for key, value in given.items()}  # as the command line calls them
     given |= {key: value for key, value in vars(options).items() if key not in _APART and value is not None}
     if options.quiet:
         given["progress"] = False

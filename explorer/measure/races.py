@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer.measure.tallies import PER_DECADE, LogHistogram, LogRow, histograms
 from explorer.phase.arguments import read_columns
-from explorer.phase.disk import Disk, require_disk
+from explorer.phase.disk import Disk, require_axial_inertia, require_disk
 from explorer.phase.states import Array
 
 SIDES = {"plus": 1, "minus": -1}
@@ -175,7 +175,7 @@ def race_law(
     >>> round(row["constant"]["0.5"], 1)
     6.0
     """
-    require_disk(disk)
+    require_axial_inertia(disk)
     (eta, race, speed), _ = read_columns(eta_hat=eta_hat, race_angle=race_angle, impact_speed=impact_speed)
     found = LogHistogram()
     count_law(found, disk, eta, race, speed)

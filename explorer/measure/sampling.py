@@ -152,7 +152,7 @@ def _by_coordinate(option: str, given: Any, read: Callable[[str, Any], Range], e
         name = one_of(f"{option} coordinate", str(name).strip(), KNOWN)
         if name in ranges:
             raise InputError(f"{option}: {name} is there twice; write each coordinate once")
-        ranges[name] = read(f"{option} {name}", values[0] if values else None)
+        ranges[name] = read(f"{option} {name}", values[0] if values else "")
     return ranges
 
 

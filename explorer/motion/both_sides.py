@@ -141,7 +141,7 @@ def both_sides(state: States, eta_hat: float | None = None, t_end: float | None 
     >>> bool(np.all(np.abs(apart) < 1e-4))
     True
     """
-    disk = require_states(state).disk
+    disk = require_states(state, "state").disk
     size = 0.01 * disk.rate_unit if eta_hat is None else positive("eta_hat", eta_hat)
     limits = {side: limit_motion(state, side) for side in (1, -1)}
     limit = limits[1]

@@ -224,7 +224,7 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     >>> print(f"{up(2.0).chi - down(2.0).chi:.4f} = 2 kappa pi = {2.0 * disk.race_limit:.4f}")
     14.0496 = 2 kappa pi = 14.0496
     """
-    states = require_states(state_on_f)
+    states = require_states(state_on_f, "state_on_f")
     disk = states.disk
     require_axial_inertia(disk)
     side = sign("side", side)

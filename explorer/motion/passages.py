@@ -105,7 +105,7 @@ class Passages(Result):
     @property
     def side(self) -> NDArray[np.int8]:
         """The side of F: the sign of eta_hat."""
-        return np.sign(self.eta_hat).astype(np.int8)
+        return np.sign(np.nan_to_num(self.eta_hat)).astype(np.int8)
 
 
 def passages(

@@ -63,7 +63,7 @@ def _joined(parts: list[Outcome]) -> Outcome:
 def _sample(given: InitialValues, times: Array) -> tuple[Array, Outcome, InitialValues]:
     """The same, and the motions with the steps by which they are as accurate as was asked."""
     disk, how, code, n = given.disk, given.plan, compiled.status.Status, given.status.size
-    start, last = given.motion, float(times[-1])
+    start, last = given.motion, float(times[-1]) if times.size else 0.0
     later = times[times > 0.0]  # the kernel takes values above 0; the state at 0 is known
     if later.size == 0:
         out, none = np.empty((n, 0, 10)), np.where(given.status == code.OK, 0.0, np.nan)

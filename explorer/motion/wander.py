@@ -64,7 +64,7 @@ class Wander(WithStatus):
         """a(k tau) - a(0) for k = 0 ... count, (n, count + 1): each step is the one before it, turned by chi."""
         count = whole("count", count, 0, _MOST_STEPS // max(1, self.chi.size))
         turned = np.exp(1j * self.chi[:, None] * np.arange(count))
-        turns = np.concatenate([0.0 * turned[:, :1], np.cumsum(turned, axis=1)], axis=1)
+        turns = np.concatenate([np.zeros((self.chi.size, 1)), np.cumsum(turned, axis=1)], axis=1)
         centres: NDArray[np.complex128] = self.step[:, None] * turns
         return centres
 

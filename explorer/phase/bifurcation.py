@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from explorer.errors import one_of
+from explorer.errors import InputError, one_of, shown
 from explorer.phase.arguments import read_columns
 from explorer.phase.constants import constants_of
 from explorer.phase.disk import Disk, require_axial_inertia
@@ -180,6 +180,8 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
     require_axial_inertia(disk)
     one_of("path", path, PATHS)
     (values,), _ = read_columns(parameter=parameter)
+    if not np.isfinite(values).all():
+        raise InputError(f"parameter = {shown(parameter)}: give finite numbers")
     # The potential is quadratic in the constants of a path, the same where both change their signs.
     steady = cache(
         lambda size: [at for at in PATHS[path].potential(disk, size).equilibria if at.kind != DEGENERATE]

@@ -272,9 +272,9 @@ def recognise(names: Collection[str], what: str = "states") -> Chart:
         raise InputError(
             f"{what}: {', '.join(there)}: these alone do not determine a state; add {' and '.join(missing)}"
         )
-    shown = ", ".join(list(names)[:6]) or "none"
+    shown = f"{', '.join(list(names)[:6])}: they do not determine a state" if names else "none were given"
     sets = "; ".join(", ".join(chart.needed) for chart in CHARTS[:5])
-    raise InputError(f"{what}: {shown}: they do not determine a state; give one of these sets: {sets}")
+    raise InputError(f"{what}: {shown}; give one of these sets: {sets}")
 
 
 def chart_of(what: str, given: Mapping[str, T], zero: T) -> tuple[Chart, dict[str, T]]:

@@ -219,7 +219,9 @@ class Disk:
             return _preset(getattr(cls, head), rest)
         if text.strip().endswith(".toml"):
             path = Path(text.strip())
-            return cls._of_moments({"name": path.stem, **read_toml(path, "disk")})
+            known = read_toml(path, "disk")
+            texts = {key: value for key, value in known.items() if isinstance(value, str)}
+            return cls._of_moments({"name": path.stem, **known, **_all_in_si(texts)})
         if "=" in text:
             return cls._of_moments(_quantities(text))
         near = nearest(head, (*PRESETS, "annulus"))
@@ -390,7 +392,11 @@ def _quantities(text: str) -> dict[str, str]:
     for key, equals, _ in pairs:
         if not equals:
             raise InputError(f"disk: {shown(key.strip())} is not NAME=VALUE; write for instance m=1,r=0.5")
-    given = {key.strip(): value.strip() for key, _, value in pairs}
+    return _all_in_si({key.strip(): value.strip() for key, _, value in pairs})
+
+
+def _all_in_si(given: dict[str, str]) -> dict[str, str]:
+    """Quantities without their units."""
     read = {key: _in_si(key, value) for key, value in given.items()}
     # Where one has a unit all are SI, and the disk rolls on the Earth.
     return read if read == given else {"g": _EARTH, **read}

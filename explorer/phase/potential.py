@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from explorer.errors import InputError, number, sign
+from explorer.errors import InputError, number, shown, sign
 from explorer.phase.arguments import column, read_range
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope, nearer_plus, other_eta_hat
@@ -29,6 +29,7 @@ _EPS = float(np.finfo(float).eps)
 _FLAT = 1e-8  # tilt (rad), at rates of order 1, below which V' keeps its sign where V ends at V_0
 _WALL = 1e-6  # the same beside a line, as a share of |eta_hat|: there the wall is far above all else
 _SMALLEST = 1e-290  # rad; doubles of cosh y end soon after
+_FARTHEST = 700.0  # in size, of y: there they do
 _POINTS = 400  # of a curve, and some more where it runs to flat
 _LARGEST = 1e100  # of a constant of motion; squares of larger ones overflow
 _TOLD_APART = 1e-10  # of an energy: levels as far apart differ by many roundings, also at the fastest rates
@@ -197,10 +198,11 @@ class Potential:
         """sigma3/cos phi at phi (rad), units of the disk: cos phi times the rate of chi, so finite near flat."""
         return self._of_phi(phi, "rho", self.disk.rate_unit)
 
-    @np.errstate(over="ignore")  # at a wall so far out that it is flat
     def at_y(self, y: ArrayLike) -> Terms:
         """As `terms`, as flat arrays, at the phi with sin phi = tanh y."""
-        places = np.ravel(y)
+        places = np.ravel(column("y", y))
+        if np.any(abs(places) > _FARTHEST):
+            raise InputError(f"y = {shown(y)}: sin phi = tanh y is flat there; give up to {_FARTHEST:g} in size")
         return self.terms(1.0 / np.cosh(places), np.tanh(places))
 
     def at_flat(self, face: int) -> float:

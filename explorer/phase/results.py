@@ -78,7 +78,8 @@ class Table:
     def _arrays(self) -> dict[str, NDArray[Any]]:
         """All arrays of this object by name."""
         named = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
-        return {name: values for name, values in named.items() if isinstance(values, np.ndarray)}
+        arrays = (np.ndarray, np.generic)  # at a single time numpy gives numbers of its own
+        return {name: np.asarray(values) for name, values in named.items() if isinstance(values, arrays)}
 
     @property
     def columns(self) -> dict[str, NDArray[Any]]:

@@ -332,11 +332,11 @@ def _states(disk: Disk, columns: tuple[Array, ...], good: NDArray[np.bool_], sha
     return States(disk, natural, status.astype(np.int8), shape=shape)
 
 
-def require_states(states: Any) -> States:
-    """`states` as they are. Raises InputError where they are anything else, rows of numbers for instance."""
+def require_states(states: Any, name: str = "states") -> States:
+    """An argument as it is. Raises InputError where they are anything else, rows of numbers for instance."""
     if not isinstance(states, States):
         raise InputError(
-            f"states = {shown(states)}: give States, which know their disk; "
+            f"{name} = {shown(states)}: give States, which know their disk; "
             "phi_to_states(disk, phi, phidot, sigma3, sigma4) and its like make them"
         )
     return states

@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import sys
 import time
 from dataclasses import dataclass
 from os import cpu_count
@@ -14,14 +13,14 @@ from explorer.measure.tallies import Tally
 from explorer.runs.settings import Settings, samples_of
 from explorer.scenes.scene import SampledScene, Scene, Table
 
-_BASE_MEMORY = 450e6  # bytes of compiled code and libraries, measured; where the system does not say it
+_BASE_MEMORY = 270e6  # bytes of libraries and compiled code in the process of a run, measured
 
 
 @dataclass(frozen=True)
 class Estimate:
     """What a run is expected to cost on this machine.
 
-    seconds: without pictures, where the cores are free and the kernels are compiled. memory: of the whole process,
+    seconds: without pictures, where the cores are free and the kernels are compiled. memory: of its process,
     bytes. disk: of the folder, bytes; 0 where there is none. free: bytes that may be written there; None where
     there is no folder. probed: how many chunks were computed to say so.
     """
@@ -37,7 +36,7 @@ class Estimate:
 
 def estimate(scene: Scene, settings: Settings) -> Estimate:
     """Compute a few chunks and scale what they take; writes nothing."""
-    base, jobs, count = _memory_now(), min(settings.jobs, scene.chunks), scene.chunks
+    jobs, count = min(settings.jobs, scene.chunks), scene.chunks
     # A command starts as this one did; in Python all is loaded by now.
     starting = time.process_time() if settings.command is not None else 0.0
     compiled.compile_missing(scene.kernels, lambda text: note(text, not settings.progress))
@@ -49,7 +48,7 @@ def estimate(scene: Scene, settings: Settings) -> Estimate:
     stored, free = sum(sizes) * count / len(probed), _free_bytes(settings.out) if settings.out else None
     disk, held = (stored, 0.0) if settings.out else (0.0, stored)
     at_work = scene.bytes_per_sample * scene.length(0) if isinstance(scene, SampledScene) else max(sizes)
-    memory = base + jobs * at_work + held
+    memory = _BASE_MEMORY + jobs * at_work + held
     return Estimate(count, samples_of(scene), starting + seconds, memory, disk, free, len(probed))
 
 
@@ -62,16 +61,6 @@ def _to_probe(scene: Scene) -> list[int]:
     """Chunks that stand for all: the middle one, and the outer ones too where they differ."""
     alike = isinstance(scene, SampledScene) and type(scene).length is SampledScene.length
     return [scene.chunks // 2] if alike else sorted({0, scene.chunks // 2, scene.chunks - 1})
-
-
-def _memory_now() -> float:
-    """What this process takes at its largest, with all libraries loaded; bytes."""
-    if sys.platform == "win32":
-        return _BASE_MEMORY
-    import resource
-
-    largest = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return float(largest if sys.platform == "darwin" else 1024 * largest)
 
 
 def _free_bytes(folder: Path) -> int:

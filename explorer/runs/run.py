@@ -22,7 +22,7 @@ from explorer.phase.paths import path_of
 from explorer.runs import folder as folders
 from explorer.runs import store
 from explorer.runs.interrupt import stopping
-from explorer.runs.settings import FORMATS, Settings, samples_of
+from explorer.runs.settings import FORMATS, Making, Settings, samples_of
 from explorer.runs.workers import compute_all
 from explorer.scenes.options import plain
 from explorer.scenes.scene import Picture, Scene, Table
@@ -128,7 +128,7 @@ class Run:
         """
         if self._parts:
             return [chunk for part in self._parts for chunk in part.complete()]
-        chunks, due = self.chunks, range(self.scene.chunks)
+        chunks, due = self.chunks, range(self._due)
         if [chunk.number for chunk in chunks] == list(due):
             return chunks
         missing = len({*due} - {chunk.number for chunk in chunks})
@@ -152,6 +152,7 @@ class Run:
                 digests.append(said["digest"])
         with self.scene.running("summarise"):
             numbers = {**self.options, **plain(self.scene.summarise(total))}
+            store.as_json(numbers)  # fails here where it is no JSON
         numbers["digest"] = store.digest_of_all(digests)
         if self._parts:
             numbers["seed"] = [part.scene.seed for part in self._parts]
@@ -332,7 +333,9 @@ class Run:
         if self._parts:
             raise InputError("several runs were merged here; resume each of them")
         if self.folder is not None:
-            execute(self.scene, Settings.of({**settings, "out": self.folder}))
+            shown = settings.pop("progress", True)
+            Making.of(settings)  # refuses all other names
+            execute(self.scene, Settings.of({**settings, "progress": shown, "out": self.folder}))
             vars(self).pop("_total", None)
         return self
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -37,6 +37,8 @@ def read_rng(name: str, value: Any) -> int:
 
 class Making(Options):
     """How the run is computed and stored, without effect on its numbers."""
+
+    name: ClassVar[str] = "resume"  # which takes these alone
 
     jobs: int = option(whole_from(1, MOST_JOBS), "number of workers; results do not depend on it", default=2)
     backend: str = option(word_of("threads", "processes", "dask"), "kind of workers", default="threads")

@@ -137,7 +137,8 @@ def make_chunk(scene: Scene, index: int, identity: str, folder: Path | None) -> 
         note["digest"] = digest_of({**table, **read}, note["tally"])
         text = json.dumps(note, allow_nan=False).encode()
     stream = pa.BufferOutputStream()
-    _write_parquet(arrow, stream, {_NOTE: text, _CHECK: sha256(text).encode()})
+    with scene.running("columns"):
+        _write_parquet(arrow, stream, {_NOTE: text, _CHECK: sha256(text).encode()})
     content = stream.getvalue().to_pybytes()
     chunk = Chunk(f"chunk-{index:06d}-{sha256(content)[:16]}.parquet", content)
     if folder is not None:

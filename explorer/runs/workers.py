@@ -43,10 +43,15 @@ def keep_memory() -> None:
     np.empty(_KEPT, np.uint8)
 
 
-def compute(scene: Scene, identity: str, folder: Path | None, index: int) -> Done:
+def compute(scene: Scene, known: dict[str, Any], folder: Path | None, index: int) -> Done:
     """Compute one chunk of the run with this identity, and store it where there is a folder."""
     keep_memory()
-    if identity != folders.digest_of_identity(folders.identity(scene)):
+    here, identity = folders.identity(scene), folders.digest_of_identity(known)
+    if (
+        type(scene).__module__ == "__main__"
+    ):  # the class came here by value: it is the code that the run began with
+        here["code"] = known["code"]
+    if identity != folders.digest_of_identity(here):
         raise RunError(f"chunk {index}: {_OTHERS}")
     try:
         return make_chunk(scene, index, identity, folder)
@@ -63,7 +68,7 @@ def compute_all(scene: Scene, missing: list[int], settings: Settings, stop: thre
     """
     folder = settings.out and settings.out.resolve()  # workers see the same file system
     call: Callable[[int], Done | None]
-    task = call = partial(compute, scene, folders.digest_of_identity(folders.identity(scene)), folder)
+    task = call = partial(compute, scene, folders.identity(scene), folder)
     # By one thread joblib means this one, in which each kernel needs a thread of its own so that Ctrl-C is heard.
     # With two, chunks go to other threads than this one, no more at once than there are jobs.
     jobs = min(settings.jobs, len(missing))

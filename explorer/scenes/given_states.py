@@ -7,7 +7,7 @@ A column no cell of which is a number is a mistake, and refused.
 import hashlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Columns = dict[str, NDArray[Any]]
 
 _PARQUET = b"PAR1"  # how such a file begins
-_RECORD = {"file", "rows", "sha256"}  # what run.json says of given states
+_RECORD = {"file", "rows", "sha256", "degrees"}  # what run.json says of given states
 
 
 class Block(NamedTuple):
@@ -61,7 +61,8 @@ class GivenStates:
 
     what: how messages call them. sha256: of the file's bytes or of the numbers; it identifies a run. columns: of a
     table; None for `States`, and for a Parquet file, which is read piece by piece. chart: which columns say where
-    the disk is; None for `States`, and of a stored run, whose file is opened when a row is needed.
+    the disk is; None for `States`, and of a stored run, whose file is opened when a row is needed. degrees:
+    whether angles, and rates of angles, of the table are in degrees.
     """
 
     what: str
@@ -71,6 +72,7 @@ class GivenStates:
     chart: Chart | None = None
     columns: Columns | None = None
     states: States | None = None
+    degrees: bool = False
 
     def __post_init__(self) -> None:
         if not self.rows:
@@ -93,7 +95,11 @@ class GivenStates:
             columns = _read(table, chart, flag)
             return cls(flag, table.num_rows, _digest(columns), None, chart, columns)
         path = Path(value["file"]) if "file" in value else None
-        return cls(flag, int(value["rows"]), value["sha256"], path)
+        return cls(flag, int(value["rows"]), value["sha256"], path, degrees=value.get("degrees", False))
+
+    def of_degrees(self, degrees: bool) -> "GivenStates":
+        """The same table, of which it is said that it is in degrees; `States` are in rad."""
+        return replace(self, degrees=True) if degrees and self.states is None else self
 
     @classmethod
     def _of_file(cls, flag: str, path: Path, remedy: str = "give Parquet or CSV") -> "GivenStates":
@@ -124,17 +130,18 @@ class GivenStates:
         found = self._of_file(self.what, self.path, "put the file back")
         if found.sha256 != self.sha256:
             raise InputError(f"{found.what}: is not the file of states that the run began with; put that one back")
-        return found
+        return replace(found, degrees=self.degrees)
 
-    def describe(self) -> dict[str, str | int]:
+    def describe(self) -> dict[str, Any]:
         """The entry of run.json."""
         file = {} if self.path is None else {"file": str(self.path)}
-        return {**file, "rows": self.rows, "sha256": self.sha256}
+        turned = {"degrees": True} if self.degrees else {}
+        return {**file, "rows": self.rows, "sha256": self.sha256, **turned}
 
-    def read(self, disk: Disk, first: int, count: int, degrees: bool = False) -> Block:
+    def read(self, disk: Disk, first: int, count: int) -> Block:
         """Rows first ... first + count - 1. Raises InputError where the file has been damaged since."""
         if self.opened is not self:
-            return self.opened.read(disk, first, count, degrees)
+            return self.opened.read(disk, first, count)
         row = {"row": np.arange(first, first + count)}
         if self.states is not None:
             states = self.states.at(np.arange(first, first + count))
@@ -144,14 +151,14 @@ class GivenStates:
             table = self._piece(self.chart, first, count)
         else:
             table = {name: values[first : first + count] for name, values in self.columns.items()}
-        states = self.chart.states(disk, table, degrees)
+        states = self.chart.states(disk, table, self.degrees)
         known = coordinates_of(states)
         # Those that were given stay as they are, to the last digit and also where they are no state.
-        if not degrees:
+        if not self.degrees:
             known |= {name: table[name] for name in self.chart.present(table) if name in known}
         # A column in degrees must not come back under a name that stands for radians.
-        turned = set(self.chart.names) & set(ANGULAR) if degrees else ()
-        own = {f"given_{k}" if k in turned else k: v for k, v in table.items() if degrees or k not in known}
+        turned = set(self.chart.names) & set(ANGULAR) if self.degrees else ()
+        own = {f"given_{k}" if k in turned else k: v for k, v in table.items() if self.degrees or k not in known}
         return Block(states, row | known, own)
 
     def _piece(self, chart: Chart, first: int, count: int) -> Columns:

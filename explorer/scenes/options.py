@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import Field, dataclass, field, fields, is_dataclass
 from functools import partial
 from inspect import get_annotations
+from pathlib import Path
 from typing import Any, NamedTuple, Self, dataclass_transform
 
 import numpy as np
@@ -137,6 +138,8 @@ class Options:
 
 def _read_all(read: Callable[[str, Any], Any], name: str, value: Any) -> tuple[Any, ...]:
     """One value, or each of a list."""
+    if isinstance(value, list | tuple) and not value:
+        raise InputError(f"{name} {shown(value)}: is empty; give one or several, or leave it out")
     return tuple(read(name, each) for each in (value if isinstance(value, list | tuple) else [value]))
 
 
@@ -179,6 +182,8 @@ def plain(value: Any) -> Any:
         return [plain(item) for item in value]
     if isinstance(value, np.generic | np.ndarray):
         return plain(value.tolist())
+    if isinstance(value, Path):
+        return str(value)
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

@@ -36,6 +36,7 @@ Picture: TypeAlias = "Callable[..., Axes | Figure]"
 Table = dict[str, NDArray[Any]]
 K = TypeVar("K", bound="type[Scene]")
 SAMPLES = whole_from(1, 10**12), "number of samples, e.g. 1e6"
+_NO_NUMBERS = ("scene", "digest")  # of a summary, which a headline leaves out
 
 
 @contextmanager
@@ -133,10 +134,10 @@ class Scene(Options, ABC):
         plain = [
             f"{name}: {value}"
             for name, value in summary.items()
-            if isinstance(value, int | float | str) and value != usual.get(name)
+            if isinstance(value, int | float | str) and value != usual.get(name) and name not in _NO_NUMBERS
         ]
         ended = ", ".join(f"{count:,} {name}" for name, count in summary.get("status", {}).items())
-        return [*(lines or plain), f"status: {ended}"]
+        return [*(lines or plain), *([f"status: {ended}"] if ended else [])]
 
     @property
     def label(self) -> str:
@@ -335,6 +336,8 @@ def _in_file(where: str) -> type[Scene]:
     file = Path(path).resolve()
     if not file.is_file():
         raise InputError(f"scene {where}: there is no file {path}")
+    if "." in file.stem:
+        raise InputError(f"scene {where}: Python cannot import a file with a dot in its name; rename the file")
     if str(file.parent) not in sys.path:
         sys.path.insert(0, str(file.parent))
     with code_of_user(f"scene {where}"):
@@ -349,7 +352,7 @@ def file_of(kind: type[Scene]) -> str | None:
     """ "FILE.py:CLASS" of a user's scene that another process can load in that way; None where there is none."""
     module = sys.modules.get(kind.__module__)
     file = getattr(module, "__file__", None)
-    if kind.__module__.startswith("explorer.") or kind.__module__ == "__main__" or file is None:
+    if kind.__module__.startswith("explorer.") or file is None:
         return None
     return f"{Path(file).resolve()}:{kind.__qualname__}"
 
@@ -364,4 +367,8 @@ def read_scene_file(path: Path) -> dict[str, Any]:
     content = read_toml(path, "SCENE")
     if not isinstance(content.get("scene"), str):
         raise InputError(f'{path}: names no scene; write scene = "race-angles" or another at its top')
-    return {key.replace("-", "_"): value for key, value in content.items()}
+    names = [key.replace("-", "_") for key in content]
+    twice = {name for name in names if names.count(name) > 1}
+    if twice:
+        raise InputError(f"{path}: {min(twice)} is given twice, with - and with _; leave one out")
+    return dict(zip(names, content.values(), strict=True))

@@ -54,8 +54,8 @@ class FromDensity(SampledScene):
     def __post_init__(self) -> None:
         super().__post_init__()
         require_axial_inertia(self.disk)
+        object.__setattr__(self, "degrees", False)  # from here on all are in rad
         if self.box is not None:
-            object.__setattr__(self, "degrees", False)  # from here on all are in rad
             # An energy or a density that the box does not reach is refused before anything is written.
             self.draw(chunk_stream(self.seed, 0), 1)
 
@@ -102,6 +102,7 @@ class FromStates(FromDensity):
         Reader(GivenStates.of, "FILE", "Path | str | States | Any"),
         "Parquet or CSV file with states, used instead of box: columns tilt, tilt_rate, precession, spin; or phi, "
         "phidot, sigma3, sigma4; or phidot, sigma3_bar, eta_hat; other columns are copied into the results",
+        follows=lambda self, given: given and given.of_degrees(self.degrees),
     )
 
     states_at_once: ClassVar[int] = 1 << 14  # intermediate arrays stay in a processor's cache
@@ -131,7 +132,7 @@ class FromStates(FromDensity):
         count, random = self.length(index), chunk_stream(self.seed, index)
         given = None
         if self.states is not None:
-            given = self.states.read(self.disk, index * self.chunk_size, count, self.degrees)
+            given = self.states.read(self.disk, index * self.chunk_size, count)
         for first in range(0, count, self.states_at_once):
             size = min(self.states_at_once, count - first)
             if given is not None:
@@ -145,7 +146,7 @@ class FromStates(FromDensity):
     def first_states(self, count: int) -> States:
         """A few states like those of the run; the same for all seeds, so that runs can be merged."""
         if self.states is not None:
-            return self.states.read(self.disk, 0, min(count, self.samples), self.degrees).states
+            return self.states.read(self.disk, 0, min(count, self.samples)).states
         return self.box.states(self.disk, self.draw(chunk_stream(0, 0), count))
 
     def states_among(self, status: Mapping[str, int]) -> int:
@@ -155,7 +156,7 @@ class FromStates(FromDensity):
             remedy = "in box, give rates below 1e100 natural units"
             if self.states is not None:
                 remedy = "in states, give finite numbers, phi between -pi/2 and pi/2 or tilt between 0 and pi"
-                remedy += "" if self.degrees else ", or say degrees where they are in degrees"
+                remedy += "" if self.states.degrees else ", or say degrees where they are in degrees"
             raise RunError(f"{self.name}: none of {self.samples:,} samples is a state; {remedy}")
         return count
 

@@ -294,3 +294,11 @@ def test_chosen_bounces_know_the_constants_of_their_motions():
         for name, values in motion_constants(found[rows]).items():
             np.testing.assert_array_equal(values, np.atleast_1d(whole[name][rows]), err_msg=name)
     assert ex.picture("race-histogram", found[found.face > 0]).axes
+
+
+@pytest.mark.parametrize("theta", [1e-61, 1e-80, 1e-290])
+def test_states_however_flat_have_bounces_and_periods(theta):
+    states = ex.theta_to_states(ex.Disk.uniform(), theta, 0.5, theta, 0.3)
+    by_steps = ex.bounces(states, method="rk8").theta_min
+    for found in (ex.bounces(states).theta_min, ex.periods(states).theta_min, by_steps):
+        assert found.ravel() == pytest.approx(ex.falls(states).theta_min_estimate, rel=1e-7)

@@ -228,3 +228,8 @@ def test_times_beyond_all_digits_are_refused():
     for late in (1e300, np.inf, np.nan, -1.0):
         with pytest.raises(ex.InputError, match="give times from 0 to"):
             limit(late)
+
+
+def test_at_one_time_as_at_several_a_limit_motion_has_all_its_columns():
+    limit = limit_motion(start_on_f(ex.Disk.uniform(), 1))
+    assert list(limit(0.5).to_pandas()) == list(limit([0.5]).to_pandas())

@@ -53,7 +53,7 @@ def test_an_energy_is_never_in_degrees():
         (["phi", "phidot", "sigma3"], "do not determine a state; add sigma4"),
         (["Tilt", "precession", "spin"], "add tilt"),
         (["a", "b"], "states: a, b: they do not determine a state"),
-        ([], "none: they do not determine a state"),
+        ([], "states: none were given; give one of these sets"),
     ],
 )
 def test_columns_that_say_no_state_are_refused_with_what_is_missing(names, message):

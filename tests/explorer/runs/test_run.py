@@ -193,3 +193,9 @@ def test_runs_that_do_not_go_together_are_not_merged(several, finished):
     next((folder / "chunks").iterdir()).unlink()
     with pytest.raises(ex.RunError, match="1 of 5 chunks are missing"):
         ex.merge(first, ex.open(folder))
+
+
+def test_resume_takes_what_changes_no_number_and_nothing_else(finished):
+    for setting in ({"exist": "replace"}, {"rng": 7}, {"out": "elsewhere"}, {"samples": 3}):
+        with pytest.raises(ex.InputError, match="resume takes no such option; known: jobs, backend"):
+            finished.resume(**setting)

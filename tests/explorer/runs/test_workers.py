@@ -179,7 +179,7 @@ def test_what_runs_in_a_thread_leaves_signals_alone(digest):
 def test_a_worker_that_would_compute_other_numbers_is_refused(tmp_path):
     scene = Coins(**SMALL)
     with pytest.raises(ex.RunError, match="the worker would compute other numbers than this run"):
-        workers.compute(scene, "0" * 16, None, 0)
+        workers.compute(scene, {**identity(scene), "kernels": "others"}, None, 0)
     assert identity(scene)["code"] != identity(type("Other", (Coins,), {"__module__": "x"})(**SMALL))["code"]
 
 

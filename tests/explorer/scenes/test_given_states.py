@@ -117,7 +117,7 @@ def test_an_eta_that_was_given_is_kept_however_small():
 
 def test_degrees_are_those_of_angles_and_rates():
     given = {"tilt": [30.0], "tilt_rate": [10.0], "precession": [50.0], "spin": [-20.0], "name": ["a"]}
-    found = GivenStates.of("states", given).read(DISK, 0, 1, degrees=True)
+    found = GivenStates.of("states", given).of_degrees(True).read(DISK, 0, 1)
     direct = ex.rates_to_states(DISK, 30.0, 10.0, 50.0, -20.0, degrees=True)
     np.testing.assert_allclose(found.states.natural, direct.natural, rtol=1e-15)
     assert found.own["given_tilt"][0] == 30.0  # tilt without a word is in radians
@@ -153,7 +153,7 @@ def test_a_damaged_file_is_told_in_one_sentence(content, message, tmp_path):
     ("given", "message"),
     [
         (5, "is no table"),
-        ({}, "none: they do not determine a state"),
+        ({}, "none were given; give one of these sets"),
         ({"phi": [0.1, 0.2], "phidot": [1.0]}, "expected length 2 but got length 1"),
         (dict.fromkeys(NAMES, 1.0), "is no table"),
         ({"phi": [1.0, "x"]}, "is no table"),

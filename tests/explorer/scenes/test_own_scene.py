@@ -1,6 +1,7 @@
 """A scene of a user: everything that ours have follows from its declarations."""
 
 import json
+import subprocess
 import sys
 from pathlib import Path
 
@@ -142,6 +143,7 @@ def test_a_class_is_a_scene_of_python_and_its_runs_add_up():
 
 
 RIGHT = """
+import numpy as np
 from explorer.scenes import NUMBER, Counts, SampledScene, option
 
 class HeadCounts(Counts):
@@ -211,6 +213,13 @@ class Coins(SampledScene):
         ("int(table", "1j * (table", ".tally", "complex"),
         ('{"share": tally.heads / self.samples}', "[1]", ".summarise", "'list' object is not a mapping"),
         ("tally.heads / self", "tally.heads / 0 / self", ".summarise", "ZeroDivisionError: division by zero"),
+        ("tally.heads / self.samples", "self.draw", ".summarise", "is not JSON serializable"),
+        (
+            '**drawn, "',
+            '**drawn, "more": np.array([{}] * len(drawn["heads"])), "',
+            ".columns",
+            "Cannot write struct",
+        ),
     ],
 )
 def test_what_is_wrong_in_it_is_told_in_a_sentence_with_its_place(right, wrong, place, message, capsys, tmp_path):
@@ -261,7 +270,8 @@ def test_its_numbers_are_told_with_those_options_that_are_no_defaults():
     told = ex.run(Coins, samples=100).headline
     assert "samples: 100" in told
     assert any(line.startswith("share: 0.") for line in told)
-    assert not [line for line in told if line.startswith(("seed", "keep", "accuracy", "method", "chunk_size"))]
+    usual = ("seed", "keep", "accuracy", "method", "chunk_size", "scene", "digest")
+    assert not [line for line in told if line.startswith(usual)]
 
 
 def test_without_its_file_a_run_is_read_and_goes_on_where_the_file_is_now(capsys, tmp_path, monkeypatch):
@@ -295,3 +305,18 @@ def test_a_summary_by_other_code_says_so(capsys, tmp_path, monkeypatch):
     status, _, err = said(capsys, "summary", folder)
     assert status == 0
     assert f"the summary is by what is here now: {file}:Periods was changed since" in err
+
+
+def test_a_scene_in_a_script_runs_in_processes_and_its_folder_can_be_checked(tmp_path, capsys):
+    script = tmp_path / "script.py"
+    script.write_text(
+        f"{RIGHT}\n\nif __name__ == '__main__':\n    import explorer as ex\n\n"
+        "    how = dict(samples=100, chunk_size=50, progress=False)\n"
+        f"    stored = ex.run(Coins, backend='processes', out={str(tmp_path / 'run')!r}, **how)\n"
+        "    assert stored.summary['digest'] == ex.run(Coins, **how).summary['digest']\n"
+    )
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert said(capsys, "verify", tmp_path / "run")[:2] == (0, "intact\n")
+    script.unlink()
+    assert said(capsys, "verify", tmp_path / "run")[:2] == (0, "intact\n")
