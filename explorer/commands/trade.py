@@ -29,9 +29,8 @@ _REFERENCE = {
 _ABOUT = """Times are those of `passages` and `simulate`: processor time of one core, without compile time, the
 shortest of several rounds in which the methods take turns. Compare them only within this page. *Unresolved* is the
 share of samples whose side of the falling set F is unknown, *refused* the share without an answer for another
-reason, and *wrong_way* counts samples that came out on the other side of F. No other integrator is as fast and as
-accurate
-as those *on_front*."""
+reason, and *wrong_way* counts samples that came out on the other side of F. *on_front* is True if no other
+integrator is both as fast and as accurate."""
 # The columns of a table, with their formats
 _COLUMNS = {
     **{"method": "", "accuracy": ".0e", "median": ".0e", "p99": ".0e", "largest": ".0e"},

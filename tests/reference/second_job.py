@@ -103,7 +103,7 @@ def lines(samples, found):
         yield "one processor is idle meanwhile."
     most = one.wall / best[BESIDE].wall
     yield f"Two runs that share nothing but the machine are {most:.2f} times as fast as one after the other."
-    yield "No run can gain more on this machine."
+    yield "With two jobs, a run can gain no more than that."
 
 
 if __name__ == "__main__":
