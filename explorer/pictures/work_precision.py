@@ -10,7 +10,7 @@ from explorer.motion.work_precision import ROUNDING, Measured, Row, best_of
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import METHODS, SMALL, dress
 
-_LIMITS = (3e-17, 3e-2)  # of the error; the names of the methods stand in the first decades
+_LIMITS = (3e-17, 1e-1)  # of the error; the names of the methods stand in the first decades
 _APART = 1.35  # ratio of the heights of two names
 _TITLES = {
     "passages": "Passages: time against error",
