@@ -16,24 +16,23 @@ from explorer.scenes.scene import NAMES, Scene, read_scene_file, scene_class
 if TYPE_CHECKING:
     from explorer.runs.run import Run
 
-_ALONE = {
-    f"--{name}"
-    for name in ("resume", "replace", "json", "quiet", "figures", "no-figures", "degrees", "no-degrees")
-}
 _APART = ("scene", "command", "command_line", "call", "json", "quiet")  # which are no options of a run
 
 
 def scene_named(words: Sequence[str]) -> type[Scene]:
     """The class of the scene that a command names; that of all scenes where none is named."""
-    # Options may stand before it: it is the first word that is neither one nor the value of one.
-    values = {
-        i + 1 for i, word in enumerate(words) if word.startswith("--") and "=" not in word and word not in _ALONE
-    }
-    free = [word for i, word in enumerate(words) if word and not word.startswith("-") and i not in values]
-    if not free:
+    # Options may stand before it, so that a word after a flag is the scene only if no other word can be.
+    after = {i + 1 for i, word in enumerate(words) if word.startswith("--") and "=" not in word}
+    free = [word for i, word in enumerate(words) if i not in after and word and not word.startswith("-")]
+    others = [words[i] for i in sorted(after) if i < len(words) and _may_be_scene(words[i])]
+    if not (free or others):
         return Scene
-    named = free[0]
+    named = [*free, *others][0]
     return scene_class(read_scene_file(Path(named))["scene"] if named.endswith(".toml") else named)
+
+
+def _may_be_scene(word: str) -> bool:
+    return word in NAMES or word.endswith(".toml") or ".py:" in word
 
 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
