@@ -77,7 +77,7 @@ COMMANDS = {
     "trade": Command("trade", "Measure error and cost of every method on passages near the falling set.", _TRADE),
     "paper": Command(
         "paper",
-        "Check the statements of Cushman & Duistermaat (2006), draw its figures; exit status 1 if a statement "
+        "Check the statements of Cushman & Duistermaat (2006), draw their figures; exit status 1 if a statement "
         "fails.",
         "--only LEMMA-5",
     ),

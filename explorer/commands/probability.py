@@ -20,7 +20,7 @@ class Coordinates(Options):
     tilt_rate: str | None = option(_VALUE, "rate of the tilt (default 0)")
     precession: str | None = option(_VALUE, "rate at which the contact point turns about the vertical")
     spin: str | None = option(_VALUE, "angular velocity about the disk's own axis")
-    phi: str | None = option(_VALUE, "angle to the vertical; with --phidot, --sigma3 and --sigma4")
+    phi: str | None = option(_VALUE, "angle to the vertical; give --phidot, --sigma3 and --sigma4 too")
     phidot: str | None = option(_VALUE, "rate of phi")
     sigma3: str | None = option(_VALUE, "sigma3 of eq. (2.14)")
     sigma4: str | None = option(_VALUE, "sigma4 of eq. (2.14)")

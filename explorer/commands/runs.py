@@ -17,7 +17,7 @@ from explorer.runs.store import write_json
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the options of the five commands."""
     if command.prog.endswith((" summary", " merge")):
-        text = "folder of a run; give several of the same question with different seeds, and they are added up"
+        text = "folder of a run; several that ask the same question with different seeds are added up"
         command.add_argument("folder", metavar="DIR", type=Path, nargs="+", help=text)
     else:
         command.add_argument("folder", metavar="DIR", type=Path, help="folder of a run")
@@ -47,7 +47,7 @@ def _verify(options: argparse.Namespace) -> Answer:
     faults = run.verify()
     lines = faults or ["intact"]
     if faults and not run.changed():  # what was changed says itself what can be done
-        lines = [*faults, f"mend what is wrong with: nearflat resume {options.folder}"]
+        lines = [*faults, f"to repair this: nearflat resume {options.folder}"]
     return Answer({"intact": not faults, "faults": faults}, "\n".join(lines), int(bool(faults)))
 
 

@@ -55,7 +55,7 @@ class Trading(Options):
     )
     motions: int = option(
         whole_from(0),
-        "for how many of the samples, from the first, motions in time are measured too; 0 for none",
+        "how many of the samples, counted from the first, are also measured as motions in time; 0 for none",
         default=1024,
     )
     t_end: float | None = option(

@@ -13,7 +13,7 @@ from explorer.view.page import view
 
 
 class Page(Options):
-    """What the page shows, and where it is written. It opens with its laboratory if you name a motion."""
+    """What the page shows, and where it is written. If you name a motion, it opens at its laboratory."""
 
     disk: Disk | None = option(DISK, "as for run", words="uniform")
     sigma3_bar: float | None = option(

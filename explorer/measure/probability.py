@@ -132,8 +132,8 @@ def probability(
         bool for each state, or for each state and bounce; then a state counts if this is True for at least one of
         its bounces. For motions that fall, theta_min is 0, and the other columns are NaN or 0.
     count : int
-        The event counts if it happens within so many bounces. The tilt is periodic: bounces of one state have at
-        most two theta_min, one on each face, so two bounces give all values of theta_min.
+        The event counts if it happens within this number of bounces. The tilt is periodic: bounces of one state
+        have at most two theta_min, one on each face, so two bounces give all values of theta_min.
     degrees : bool
         Whether angles and rates are in degrees instead of rad; theta_min never is.
     accuracy : float

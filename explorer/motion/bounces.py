@@ -58,7 +58,7 @@ class Bounces(Result):
         Duration of the stretch.
     error_estimate : array
         The largest of the errors of the angles (rad), of the duration, of theta_min and of the time to the
-        flattest moment (these three relative; that of the time is relative to the period if the time is shorter).
+        flattest moment. The last three are relative; that of the time, if it is shorter, to the period.
     status : array of int8
         `Status` of each bounce.
     states : States

@@ -138,7 +138,7 @@ class LimitMotion:
         return np.array(first + self.period * np.arange(count), dtype=np.float64)
 
     def __call__(self, t: ArrayLike) -> LimitState:
-        """The motion at times from 0 to the time of 1e8 impacts; so late, its phase is known to 8 digits fewer."""
+        """The motion at times from 0 to that of the 1e8th impact. So late, its phase has 8 digits fewer."""
         times, disk, face = column("t", t), self.disk, self.face
         last = _MOST_IMPACTS * self.period
         if not ((times >= 0.0) & (times <= last)).all():

@@ -76,7 +76,7 @@ class Scan(Table):
     @overload
     def __getitem__(self, key: Any) -> Scan: ...
     def __getitem__(self, key: Any) -> Any:
-        """An observable by its name; or some of the states, indexed as you would an array of this shape."""
+        """An observable, by its name; or some of the states, indexed like an array of this shape."""
         if isinstance(key, str):
             return self.values[one_of("observable", key, self.values)]
         values, states = self._chosen(key)

@@ -156,8 +156,8 @@ class Trajectories(WithStatus):
         start. In a race chi turns at a rate of some 4/eta_hat (natural units), and an error of the time becomes an
         error of chi that many times as large. The time has two errors: that of the integration, which shifts the
         whole race, and the rounding of t, some 1e-15. For eta_hat below 1e-14 you can therefore not tell from a
-        single time how far the race has got. The curve is right at any eta_hat: chi against phidot, phi or the
-        path.
+        single time how far the race has got. But chi as a function of phidot, phi or
+        the path is right at any eta_hat.
 
         Parameters
         ----------
@@ -215,9 +215,9 @@ def simulate(
 ) -> Trajectories:
     """Follow motions in time from their initial states, at times as dense as each motion needs.
 
-    After each step the state is projected back onto sigma3_bar and eta; onto the energy it is projected once in
-    each oscillation of the tilt, and the change of the energy is reported as an error. An eta_hat that was given
-    is kept, down to 1e-300. A state on the falling set has the status FALLS.
+    After each step the state is projected back onto sigma3_bar and eta. Onto the energy it is projected only once
+    in each oscillation of the tilt, and the change of the energy is reported as an error. An eta_hat that was
+    given is kept, down to 1e-300. A state on the falling set has the status FALLS.
 
     Parameters
     ----------

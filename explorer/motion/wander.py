@@ -61,7 +61,7 @@ class Wander(WithStatus):
     status: NDArray[np.int8]
 
     def after(self, count: int) -> NDArray[np.complex128]:
-        """a(k tau) - a(0) for k = 0 ... count, (n, count + 1): each step is the one before it, turned by chi."""
+        """a(k tau) - a(0), k = 0 ... count; shape (n, count + 1). Each step is the one before, turned by chi."""
         count = whole("count", count, 0, _MOST_STEPS // max(1, self.chi.size))
         turned = np.exp(1j * self.chi[:, None] * np.arange(count))
         turns = np.concatenate([np.zeros((self.chi.size, 1)), np.cumsum(turned, axis=1)], axis=1)

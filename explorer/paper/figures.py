@@ -136,7 +136,7 @@ class PaperFigure:
         own = same and eta_hat == ETA_HAT
         text = f"{'' if own else 'As '}Fig. {figure}. {text}"
         if own and figure >= 8:
-            text += " The paper prints 0.01 for both panels; the right one has −0.01."
+            text += " The paper prints 0.01 for both panels; in fact the panel on the right has −0.01."
         return f"{text} Dotted: the limit motion of the same side of F, from the same start."
 
 

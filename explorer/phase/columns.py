@@ -86,7 +86,7 @@ COLUMNS = {
     # a passage near flat
     "race_angle": Column("delta_chi minus fall_angle; its limit is side times kappa pi.", ANGLE, "(7.9)"),
     "fall_angle": Column(
-        "Turn of chi without the race: along the falling motion with this sigma3_bar and energy.",
+        "Turn of chi without the race: along the limit motion with this sigma3_bar and energy.",
         ANGLE,
         "section 7.1",
     ),
@@ -112,7 +112,9 @@ COLUMNS = {
     "chi": Column("Angle of the contact point in space, or its increase per period.", ANGLE, "(2.30)"),
     "psi": Column("Angle of the contact point in the body, or its increase per period.", ANGLE, "(2.21)"),
     "crosses": Column("Whether the motion passes the vertical.", kind=TRUTH),
-    "min_normal_force": Column("Least normal force over m g; if it is negative, a real disk would lift off."),
+    "min_normal_force": Column(
+        "Smallest normal force, divided by m g; if it is negative, a real disk would lift off."
+    ),
     "max_friction": Column("Largest friction coefficient that the motion needs."),
     # a motion at times
     "t": Column("Time since the start.", TIME),

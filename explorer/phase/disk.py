@@ -37,8 +37,8 @@ UNITS = {
 }
 SYNTAX = (
     f"a name, a file FILE.toml, or numbers. Names are {', '.join(PRESETS)} (its limit motions on the two sides of "
-    'F agree) and annulus:INNER_OVER_OUTER. Numbers may follow a name, as in "uniform:m=..,r=..,g=..", or stand '
-    'alone: "m=..,r=..,g=..,I1=..,I3=..", where I3=flat means 2 I1. '
+    "the falling set agree) and annulus:INNER_OVER_OUTER. Numbers may follow a name, as in "
+    '"uniform:m=..,r=..,g=..", or stand alone: "m=..,r=..,g=..,I1=..,I3=..", where I3=flat means 2 I1. '
     f"A number may have a unit ({', '.join(UNITS)}), as in "
     '"m=20g,r=5cm,I1=150 g cm^2,I3=flat"; g is then 9.81 m/s^2 if left out'
 )

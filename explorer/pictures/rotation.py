@@ -29,7 +29,7 @@ from explorer.pictures.style import DARK, SIGNED_COLOURS, SMALL, TEXT, colour_ba
 def rotation(ax: Axes, disk: Disk, energy: float = 2.0, points: int = 300) -> None:
     """Draw the turn of chi in one period tau, chi(tau)/2pi modulo 1, over (sigma3_bar, sigma4_bar), eq. (3.13).
 
-    energy: in m g r; more than 1, the energy of the upright disk. points: how many in each direction; an even
+    energy: in m g r; it must exceed 1, the energy of the upright disk. points: how many in each direction; an even
     number, so that none is on an axis.
     """
     x, y, turns = rotation_numbers(disk, energy, points)

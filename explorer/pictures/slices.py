@@ -66,8 +66,8 @@ def colour_tilt(ax: Axes, x: Array, y: Array, theta: Array, method: str) -> None
     Question.FROM_WHERE,
     "How flat the disk comes, for every start in a plane of the phase space. The bright valleys are the falling "
     "set F, and the lines drawn on them are F as the algebra gives it. The tilt moves like a particle in a "
-    "potential; beyond an abrupt change of colour it is in another well (valley) of it. F ends there; the thin "
-    "lines that continue it show where η is 0 although the disk does not fall.",
+    "potential; beyond an abrupt change of colour it is in another well (valley) of this potential. F ends "
+    "there; the thin lines that continue it show where η is 0 although the disk does not fall.",
 )
 def slice_of_tilts(ax: Axes, cut: SliceMap) -> None:
     """Draw theta_min on what `explorer.slice_map` returned, and the exact falling set over it.
@@ -127,9 +127,9 @@ def _zero_line(ax: Axes, cut: SliceMap, values: Array, style: object, width: flo
     Question.FROM_WHERE,
     "Which way the contact point races, for every start in a plane of the phase space: blue on one side of F, "
     "vermilion on the other. The flatter the disk comes, the stronger is the colour. F is where the strong "
-    "colours meet. From a hatched region the disk cannot fall, not even from the start with the same φ, energy "
-    "and σ̄₃ (a constant of motion) that has η = 0. The tilt moves like a particle in a potential; beyond an "
-    "abrupt change of colour it is in another well (valley) of it.",
+    "colours meet. From a hatched region the disk cannot fall: even from the start with η = 0 and the same φ, "
+    "energy and σ̄₃ (a constant of motion) it does not fall. The tilt moves like a particle in a potential; "
+    "beyond an abrupt change of colour it is in another well (valley) of this potential.",
     group="slices",
     portraits=lambda asked: (
         (f"slice-{number}", (slice_map(asked.disk, where),))

@@ -98,8 +98,8 @@ def stored_scene(record: dict[str, Any]) -> Scene:
         file, _, name = where.rpartition(":")
         if not Path(file).is_file():
             raise InputError(
-                f"scene {where}: there is no file of that name any more; put it back, or, with the options of "
-                f"run.json, go on with: nearflat run NEW.py:{name} ... --resume --out DIR"
+                f"scene {where}: the file is gone; put it back, or continue with: nearflat run NEW.py:{name} ... "
+                "--resume --out DIR, where ... stands for the options in run.json"
             )
         scene_class(where)
     return scene_of(record["options"])

@@ -27,7 +27,7 @@ def stopping(onward: str) -> Iterator[threading.Event]:
     stop, before = threading.Event(), {}
 
     def handle(number: int, frame: FrameType | None) -> None:
-        text = "stopping when the running chunks are done; once more stops now"
+        text = "stopping when the running chunks are done; interrupt again to stop now"
         if stop.is_set():
             text = f"stopped; {onward}"
         with contextlib.suppress(OSError):  # the terminal may be closed

@@ -307,7 +307,8 @@ class Run:
         return faults
 
     def changed(self) -> list[str]:
-        """What has changed since the run was computed, one sentence each: such a run can be read, but not resumed.
+        """What has changed since the run was computed, a sentence for each change. Then it can be read, not
+        resumed.
 
         Examples
         --------

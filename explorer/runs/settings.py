@@ -43,7 +43,7 @@ class Making(Options):
     jobs: int = option(whole_from(1, MOST_JOBS), "number of workers; results do not depend on it", default=2)
     backend: str = option(word_of("threads", "processes", "dask"), "kind of workers", default="threads")
     scheduler: str | None = option(
-        TEXT._replace(metavar="ADDRESS"), "address of a dask scheduler", words="the run starts its own"
+        TEXT._replace(metavar="ADDRESS"), "address of a dask scheduler", words="a scheduler that the run starts"
     )
     figures: bool = option(TRUTH, "draw pictures into the folder", default=True)
     format: tuple[str, ...] | None = option(

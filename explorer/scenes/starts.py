@@ -38,8 +38,8 @@ class FromDensity(SampledScene):
     )
     gaussian: dict[str, Range] | None = option(
         GAUSSIANS,
-        'coordinates drawn from a Gaussian that the box cuts off: "phidot=MEAN:DEVIATION,..", in the units of the '
-        "disk",
+        'coordinates drawn from a Gaussian, cut off at the ends of the box: "phidot=MEAN:DEVIATION,..", in the '
+        "units of the disk",
         follows=lambda self, given: given and in_radians(given, self.degrees),
     )
     density: Function | None = option(
@@ -156,7 +156,7 @@ class FromStates(FromDensity):
             remedy = "in box, give rates below 1e100 natural units"
             if self.states is not None:
                 remedy = "in states, give finite numbers, phi between -pi/2 and pi/2 or tilt between 0 and pi"
-                remedy += "" if self.states.degrees else ", or say degrees where they are in degrees"
+                remedy += "" if self.states.degrees else ", or set degrees if they are in degrees"
             raise RunError(f"{self.name}: none of {self.samples:,} samples is a state; {remedy}")
         return count
 

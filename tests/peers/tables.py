@@ -8,8 +8,8 @@ from peers.measuring import ASKED, METHODS, PEER, PUBLIC
 INTEGRATED = tuple(f"passages, {method}" for method in METHODS)
 QUADRATURE = "passages, quadrature"
 FRONT = (
-    "| speed of calls on one core at an error below 10⁻⁶, as a multiple of that of heyoka, a fast Taylor solver "
-    "that here computes in batches"
+    "| speed of calls on one core at an error below 10⁻⁶, as a multiple of that of heyoka, a fast Taylor solver, "
+    "in batches"
 )
 ORIGIN = "The speeds were measured in one run on "
 REST = 1e-9  # the least error at which most peers have a row at all
@@ -94,10 +94,9 @@ def quoted(rows):
     peers = [reaching(rows, (f"heyoka batch, {kind}",), 1e-6) for kind in ("plain", "regularised")]
     exact, integrated = asked_at(rows, QUADRATURE, 1e-6), best_asked(rows, INTEGRATED, 1e-6)
     (plain, regular), (stepped, easier) = ([times(ours, peer) for peer in peers] for ours in (exact, integrated))
-    said = (
-        f"quadrature, which computes a passage as an integral: {plain}; our Runge–Kutta: {stepped}. Compared with "
-    )
-    said += f"heyoka on our equations, which stay smooth at flat: {regular} and {easier}"
+    said = "if heyoka solves the plain equations: quadrature, which computes a passage as an integral, "
+    said += f"{plain}, and our Runge–Kutta {stepped}; if it solves our equations, which stay smooth at flat: "
+    said += f"{regular} and {easier}"
     return f"{FRONT} | {said} | 1 |"
 
 

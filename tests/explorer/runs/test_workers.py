@@ -115,7 +115,7 @@ def test_the_first_signal_keeps_running_chunks_and_tells_how_to_go_on(number, ba
     os.killpg(done.pid, number)  # as a terminal does: to the processes too
     _, err = done.communicate(timeout=60)
     assert done.returncode == 130, err
-    assert "stopping when the running chunks are done; once more stops now" in err
+    assert "stopping when the running chunks are done; interrupt again to stop now" in err
     assert f"of 24 chunks done; continue with: nearflat resume {folder}" in err.splitlines()[-1]
     assert before <= there(folder) < 24
     assert not (folder / "summary.json").exists()

@@ -286,7 +286,7 @@ def test_without_its_file_a_run_is_read_and_goes_on_where_the_file_is_now(capsys
     for command in ("resume", "summary"):
         status, _, err = said(capsys, command, folder)
         assert status == 2
-        assert "there is no file of that name any more; put it back, or" in err
+        assert "the file is gone; put it back, or" in err
     assert "nearflat run NEW.py:Periods ... --resume --out DIR" in err
     monkeypatch.setattr(scenes, "_own", {})
     sys.modules.pop("own_scene")
