@@ -16,13 +16,16 @@ from explorer.scenes.scene import NAMES, Scene, read_scene_file, scene_class
 if TYPE_CHECKING:
     from explorer.runs.run import Run
 
+# Flags that take no value.
+_ALONE = {"--resume", "--replace", "--json", "--quiet", "--figures", "--no-figures", "--degrees", "--no-degrees"}
 _APART = ("scene", "command", "command_line", "call", "json", "quiet")  # which are no options of a run
 
 
 def scene_named(words: Sequence[str]) -> type[Scene]:
     """The class of the scene that a command names; that of all scenes where none is named."""
-    # Options may stand before it, so that a word after a flag is the scene only if no other word can be.
-    after = {i + 1 for i, word in enumerate(words) if word.startswith("--") and "=" not in word}
+    # Options may stand before it: a word after a flag with a value is the scene only if no other word can be.
+    flags = [word.startswith("--") and "=" not in word and word not in _ALONE for word in words]
+    after = {i + 1 for i, flag in enumerate(flags) if flag}
     free = [word for i, word in enumerate(words) if i not in after and word and not word.startswith("-")]
     others = [words[i] for i in sorted(after) if i < len(words) and _may_be_scene(words[i])]
     if not (free or others):
@@ -59,11 +62,13 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
 def given_by(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
     """Scene and keywords from a command line, and from a TOML file where one is named; the command line wins."""
     given: dict[str, Any] = {"scene": options.scene}
+    said = {key: value for key, value in vars(options).items() if key not in _APART and value is not None}
     if str(options.scene).endswith(".toml"):
         given = read_scene_file(Path(options.scene))
-        names = {key_of(each): each.name for each in options_of(scene_class(given["scene"]))}
-        given = {names.get(key, key): value for key, value in given.items()}  # as the command line calls them
-    given |= {key: value for key, value in vars(options).items() if key not in _APART and value is not None}
+        for each in options_of(scene_class(given["scene"])):
+            if each.name in said:
+                given.pop(key_of(each), None)  # the same option, as run.json calls it
+    given |= said
     if options.quiet:
         given["progress"] = False
     return given.pop("scene"), given

@@ -165,7 +165,7 @@ def race_law(
     Raises
     ------
     InputError
-        If the shapes do not fit together.
+        If the shapes do not fit together, or if the disk has I3 = 0.
 
     Examples
     --------

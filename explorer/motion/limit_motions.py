@@ -157,10 +157,10 @@ class LimitMotion:
 
         return LimitState(
             t=times.copy(),
-            phi=face * (0.5 * np.pi - np.arctan2(q, at.z)),
-            phidot=phidot * unit,
-            chi=chi,
-            psi=psi,
+            phi=np.asarray(face * (0.5 * np.pi - np.arctan2(q, at.z))),
+            phidot=np.asarray(phidot * unit),
+            chi=np.asarray(chi),
+            psi=np.asarray(psi),
             path=vector(centre, q, r),
             contact=vector(centre + z * away, np.zeros_like(q), r),
             velocity=vector(velocity, -phidot * z, r * unit),

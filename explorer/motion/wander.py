@@ -154,7 +154,7 @@ def resonance(
 
     def excess(sigma3_bar: float) -> float:
         period = periods(constants_to_states(disk, sigma3_bar, eta_hat, phidot), _ACCURACY)
-        require_ok(period, f"resonance: no period at sigma3_bar = {sigma3_bar:g}; move `between`")
+        require_ok(period, f"between: no period at sigma3_bar = {sigma3_bar:g}; give another range")
         return float(period.chi[0]) / (2.0 * math.pi) - whole_turns
 
     require_axial_inertia(disk)

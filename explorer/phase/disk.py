@@ -221,7 +221,8 @@ class Disk:
             path = Path(text.strip())
             known = read_toml(path, "disk")
             texts = {key: value for key, value in known.items() if isinstance(value, str)}
-            return cls._of_moments({"name": path.stem, **known, **_all_in_si(texts)})
+            numbers = {key: value for key, value in known.items() if key not in texts}
+            return cls._of_moments({"name": path.stem, **_all_in_si(texts), **numbers})
         if "=" in text:
             return cls._of_moments(_quantities(text))
         near = nearest(head, (*PRESETS, "annulus"))

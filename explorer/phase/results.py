@@ -78,8 +78,7 @@ class Table:
     def _arrays(self) -> dict[str, NDArray[Any]]:
         """All arrays of this object by name."""
         named = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
-        arrays = (np.ndarray, np.generic)  # at a single time numpy gives numbers of its own
-        return {name: np.asarray(values) for name, values in named.items() if isinstance(values, arrays)}
+        return {name: values for name, values in named.items() if isinstance(values, np.ndarray)}
 
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
@@ -122,10 +121,13 @@ class Table:
 
     def to_pandas(self) -> "pd.DataFrame":
         """A DataFrame with one row for each sample, in the order of flattened arrays; status by name."""
-        return self.to_arrow().to_pandas()
+        frame = self.to_arrow().to_pandas()
+        if "status" in frame:
+            frame["status"] = frame["status"].copy()  # what Arrow holds cannot be written
+        return frame
 
     def to_arrow(self) -> "pa.Table":
-        """The table of `to_pandas`, in Arrow; the metadata of each field say its meaning, unit and equation."""
+        """The table of `to_pandas`, in Arrow; the metadata of each field states its meaning, unit and equation."""
         return to_arrow(self._flat())
 
     def _good(self) -> NDArray[np.bool_]:

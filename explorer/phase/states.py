@@ -333,7 +333,7 @@ def _states(disk: Disk, columns: tuple[Array, ...], good: NDArray[np.bool_], sha
 
 
 def require_states(states: Any, name: str = "states") -> States:
-    """An argument as it is. Raises InputError where they are anything else, rows of numbers for instance."""
+    """An argument as it is. Raises InputError if it is anything but States, rows of numbers for instance."""
     if not isinstance(states, States):
         raise InputError(
             f"{name} = {shown(states)}: give States, which know their disk; "

@@ -108,7 +108,12 @@ def stored_scene(record: dict[str, Any]) -> Scene:
 def changed(record: dict[str, Any], scene: Callable[[], Scene]) -> list[str]:
     """What computed a run and is other now, in sentences. scene: makes it, where no file has its code."""
     where = record.get("from")
-    code = _code_in(where.rpartition(":")[0]) if where else _code_of(type(scene()))
+    try:
+        code = _code_in(where.rpartition(":")[0]) if where else _code_of(type(scene()))
+    except InputError:  # a user's, from a script or a notebook, is known only there
+        if record["code"] is None:
+            raise
+        code = None
     now = {"kernels": compiled.source_digest(), "code": code or record["code"]}  # a file that is gone says nothing
     return [_remedy(what, record) for what in MADE_BY if now[what] != record[what]]
 

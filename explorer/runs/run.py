@@ -333,9 +333,9 @@ class Run:
         """
         if self._parts:
             raise InputError("several runs were merged here; resume each of them")
+        shown = settings.pop("progress", True)
+        Making.of(settings)  # refuses all other names
         if self.folder is not None:
-            shown = settings.pop("progress", True)
-            Making.of(settings)  # refuses all other names
             execute(self.scene, Settings.of({**settings, "progress": shown, "out": self.folder}))
             vars(self).pop("_total", None)
         return self

@@ -86,6 +86,9 @@ class Scene(Options, ABC):
     def __post_init__(self) -> None:
         """Raise InputError where options do not go together; scenes add what they must refuse."""
         super().__post_init__()
+        for name in ("seed", "samples"):
+            if not isinstance(getattr(self, name, 0), int):
+                raise InputError(f"{name}: is a whole number in every scene; declare it anew by whole_from(...)")
         _ = self.plan  # a method that cannot give the observables is refused before anything is written
         if not self.observables and self.method != "auto":
             raise InputError(f"method {self.method}: {self.name} names no observables, so it has no methods")
@@ -352,7 +355,7 @@ def file_of(kind: type[Scene]) -> str | None:
     """ "FILE.py:CLASS" of a user's scene that another process can load in that way; None where there is none."""
     module = sys.modules.get(kind.__module__)
     file = getattr(module, "__file__", None)
-    if kind.__module__.startswith("explorer.") or file is None:
+    if kind.__module__.startswith("explorer.") or kind.__module__ == "__main__" or file is None:
         return None
     return f"{Path(file).resolve()}:{kind.__qualname__}"
 

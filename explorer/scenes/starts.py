@@ -48,7 +48,7 @@ class FromDensity(SampledScene):
         "arguments are arrays, in rad and the units of the disk",
     )
     degrees: bool = option(
-        TRUTH, "angles and rates of box, gaussian, slice and states are in degrees", default=False
+        TRUTH, "angles and rates of box, gaussian, slice and tables of states are in degrees", default=False
     )
 
     def __post_init__(self) -> None:

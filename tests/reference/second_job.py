@@ -98,7 +98,7 @@ def lines(samples, found):
         gain, more = one.wall / best[way].wall, best[way].work - one.work
         alone = min(max(2.0 / gain - 1.0, 0.0), 1.0)
         yield f"With {way.replace(', ', ' as ')}, a run is {gain:.2f} times as fast as with one job,"
-        yield f"for {more:.2f} s of additional work."
+        yield f"and its work is {more:+.2f} s more."
         yield f"By Amdahl's law, {100.0 * alone:.0f} % of the work is then not shared:"
         yield "one processor is idle meanwhile."
     most = one.wall / best[BESIDE].wall

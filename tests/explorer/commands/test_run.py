@@ -108,10 +108,14 @@ def test_runs_are_merged_in_any_order_and_may_keep_other_rows(run, capsys, tmp_p
 @pytest.mark.parametrize("out", ["falling-set", "set.toml", "my.py:Scene"])
 def test_the_value_of_an_option_before_the_scene_is_not_taken_for_the_scene(out, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    words = ("--no-figures", "--quiet", "--out", out, "race-angles", "--samples", "50", "--eta-hat", "1e-5:1e-3")
-    status, _, err = said(capsys, "run", *words)
-    assert status == 0, err
-    assert ex.open(tmp_path / out).options["eta_hat"] == [1e-5, 1e-3]
+    after = ("race-angles", "--samples", "50", "--eta-hat", "1e-5:1e-3")
+    for before in (
+        ("--no-figures", "--quiet", "--out", out),
+        ("--out", out, "--quiet", "--replace", "--no-figures"),
+    ):
+        status, _, err = said(capsys, "run", *before, *after)
+        assert status == 0, err
+        assert ex.open(tmp_path / out).options["eta_hat"] == [1e-5, 1e-3]
 
 
 def test_the_command_line_wins_over_a_scene_file_that_uses_the_names_of_run_json(capsys, tmp_path):
@@ -127,3 +131,10 @@ def test_a_key_that_a_scene_file_has_in_two_spellings_is_refused(capsys, tmp_pat
     status, _, err = said(capsys, "run", tmp_path / "a.toml")
     assert status == 2
     assert "eta_hat is given twice, with - and with _; leave one out" in err
+
+
+def test_an_option_that_a_scene_file_has_by_both_of_its_names_is_refused(capsys, tmp_path):
+    (tmp_path / "a.toml").write_text('scene = "race-angles"\ndisk = "hoop"\ndisks = ["uniform"]\n')
+    status, _, err = said(capsys, "run", tmp_path / "a.toml", "--out", tmp_path / "run")
+    assert status == 2
+    assert "disk and disks are the same option; leave one out" in err

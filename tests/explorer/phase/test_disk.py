@@ -192,3 +192,13 @@ def test_ratios_are_moments_in_units_of_a_hoop():
         ex.Disk(I1=0.3, I3=0.45, **scales)
     with pytest.raises(TypeError):
         ex.Disk(0.3, 0.45)
+
+
+@pytest.mark.parametrize(("gravity", "g"), [("", 9.81), ("g = 1.62", 1.62), ('g = "1.62 m/s^2"', 1.62)])
+def test_a_file_of_a_disk_may_have_units_and_its_own_gravity(gravity, g, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "moon.toml").write_text(f'm = "20g"\nr = "5cm"\nI1 = "150 g cm^2"\nI3 = "flat"\n{gravity}\n')
+    disk = ex.Disk.parse("moon.toml")
+    assert disk.m == pytest.approx(0.02)
+    assert disk.g == pytest.approx(g)
+    assert disk.I3 == pytest.approx(3e-5)

@@ -50,7 +50,7 @@ def test_a_folder_remembers_the_file_of_a_user_s_scene(finished, monkeypatch):
     assert type(again.scene) is not Coins
     assert again.resume(progress=False).summary == finished.summary
     rewritten(again, **{"from": str(finished.folder / "gone.py:Coins")})
-    with pytest.raises(ex.InputError, match="there is no file"):
+    with pytest.raises(ex.InputError, match="the file is gone"):
         ex.open(finished.folder).resume()
 
 

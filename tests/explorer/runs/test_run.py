@@ -196,6 +196,8 @@ def test_runs_that_do_not_go_together_are_not_merged(several, finished):
 
 
 def test_resume_takes_what_changes_no_number_and_nothing_else(finished):
+    with pytest.raises(ex.InputError, match="resume takes no such option"):
+        ex.run(Coins, **SMALL).resume(samples=3)
     for setting in ({"exist": "replace"}, {"rng": 7}, {"out": "elsewhere"}, {"samples": 3}):
         with pytest.raises(ex.InputError, match="resume takes no such option; known: jobs, backend"):
             finished.resume(**setting)
