@@ -201,4 +201,4 @@ def test_a_file_of_a_disk_may_have_units_and_its_own_gravity(gravity, g, tmp_pat
     disk = ex.Disk.parse("moon.toml")
     assert disk.m == pytest.approx(0.02)
     assert disk.g == pytest.approx(g)
-    assert disk.I3 == pytest.approx(3e-5)
+    assert pytest.approx(3e-5) == disk.I3
