@@ -142,12 +142,11 @@ def law_rows(disk: Disk, found: LogHistogram) -> list[dict[str, Any]]:
 def race_law(
     disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike, impact_speed: ArrayLike
 ) -> list[dict[str, Any]]:
-    """Estimate, from your own race angles, the number c in the law of races near F, by its quantiles at each
-    |eta|.
+    """Estimate, from your own race angles, the number c in the law of races near F.
 
-    The picture race-deviation draws the result. By the law, near F a race angle is side * (kappa pi + K |eta|
-    (ln(1/|eta|) - c)), natural units. K = 2 m g r/(I1 M A^3), with M = I1 + m r^2 and the impact speed A; c
-    differs from passage to passage.
+    The result has quantiles of c at each |eta|; the picture race-deviation draws it. By the law, near F a race
+    angle is side * (kappa pi + K |eta| (ln(1/|eta|) - c)), natural units. K = 2 m g r/(I1 M A^3), with M = I1 + m
+    r^2 and the impact speed A; c differs from passage to passage.
 
     Parameters
     ----------

@@ -156,8 +156,8 @@ class Trajectories(WithStatus):
         start. In a race chi turns at a rate of some 4/eta_hat (natural units), and an error of the time becomes an
         error of chi that many times as large. The time has two errors: that of the integration, which shifts the
         whole race, and the rounding of t, some 1e-15. For eta_hat below 1e-14 you can therefore not tell from a
-        single time how far the race has got. But chi as a function of phidot, phi or
-        the path is right at any eta_hat.
+        single time how far the race has got. But chi as a function of phidot, phi or the path is right at any
+        eta_hat.
 
         Parameters
         ----------

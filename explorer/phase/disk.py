@@ -219,10 +219,7 @@ class Disk:
             return _preset(getattr(cls, head), rest)
         if text.strip().endswith(".toml"):
             path = Path(text.strip())
-            known = read_toml(path, "disk")
-            texts = {key: value for key, value in known.items() if isinstance(value, str)}
-            numbers = {key: value for key, value in known.items() if key not in texts}
-            return cls._of_moments({"name": path.stem, **_all_in_si(texts), **numbers})
+            return cls._of_moments({"name": path.stem, **_all_in_si(read_toml(path, "disk"))})
         if "=" in text:
             return cls._of_moments(_quantities(text))
         near = nearest(head, (*PRESETS, "annulus"))
@@ -387,7 +384,7 @@ def _can_be_scaled(disk: Disk) -> bool:
 _EARTH = "9.81"  # m/s^2
 
 
-def _quantities(text: str) -> dict[str, str]:
+def _quantities(text: str) -> dict[str, Any]:
     """{"m": "1", ...} from "m=1,...". Raises InputError."""
     pairs = [item.partition("=") for item in text.split(",") if item.strip()]
     for key, equals, _ in pairs:
@@ -396,9 +393,9 @@ def _quantities(text: str) -> dict[str, str]:
     return _all_in_si({key.strip(): value.strip() for key, _, value in pairs})
 
 
-def _all_in_si(given: dict[str, str]) -> dict[str, str]:
-    """Quantities without their units."""
-    read = {key: _in_si(key, value) for key, value in given.items()}
+def _all_in_si(given: dict[str, Any]) -> dict[str, Any]:
+    """Quantities, of which texts may have units, without these."""
+    read = {key: _in_si(key, value) if isinstance(value, str) else value for key, value in given.items()}
     # Where one has a unit all are SI, and the disk rolls on the Earth.
     return read if read == given else {"g": _EARTH, **read}
 

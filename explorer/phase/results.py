@@ -201,10 +201,10 @@ class Result(WithStatus, Table):
         return replace(self, **arrays)  # type: ignore[type-var]
 
     def among(self, rows: NDArray[np.intp], status: NDArray[np.int8]) -> Self:
-        """Put this result, of some rows, into one of all rows; the others keep their status, and are NaN, 0 or
-        False.
+        """Put this result, of some rows, into one of all rows.
 
-        status: of all rows, before this result was found for some of them.
+        status: of all rows, before this result was found for some of them. The others keep it, and are NaN, 0 or
+        False.
         """
         expanded = np.empty((status.size, *self.shape[1:]), np.int8)
         expanded[:] = status.reshape(-1, *(1,) * (expanded.ndim - 1))

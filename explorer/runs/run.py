@@ -307,8 +307,7 @@ class Run:
         return faults
 
     def changed(self) -> list[str]:
-        """What has changed since the run was computed, a sentence for each change. Then it can be read, not
-        resumed.
+        """What has changed since the run was computed, in sentences; then it can be read, but not resumed.
 
         Examples
         --------

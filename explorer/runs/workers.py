@@ -47,9 +47,7 @@ def compute(scene: Scene, known: dict[str, Any], folder: Path | None, index: int
     """Compute one chunk of the run with this identity, and store it where there is a folder."""
     keep_memory()
     here, identity = folders.identity(scene), folders.digest_of_identity(known)
-    if (
-        type(scene).__module__ == "__main__"
-    ):  # the class came here by value: it is the code that the run began with
+    if type(scene).__module__ == "__main__":  # it came by value, with the code that the run began with
         here["code"] = known["code"]
     if identity != folders.digest_of_identity(here):
         raise RunError(f"chunk {index}: {_OTHERS}")
