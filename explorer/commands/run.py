@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from explorer.commands import Answer
+from explorer.errors import InputError
 from explorer.runs.settings import Settings, asked
 from explorer.scenes.options import first_line, key_of, options_of
 from explorer.scenes.scene import NAMES, Scene, read_scene_file, scene_class
@@ -16,37 +17,22 @@ from explorer.scenes.scene import NAMES, Scene, read_scene_file, scene_class
 if TYPE_CHECKING:
     from explorer.runs.run import Run
 
-# Flags that take no value.
-_ALONE = {"--resume", "--replace", "--json", "--quiet", "--figures", "--no-figures", "--degrees", "--no-degrees"}
 _APART = ("scene", "command", "command_line", "call", "json", "quiet")  # which are no options of a run
-
-
-def scene_named(words: Sequence[str]) -> type[Scene]:
-    """The class of the scene that a command names; that of all scenes where none is named."""
-    # Options may stand before it: a word after a flag with a value is the scene only if no other word can be.
-    flags = [word.startswith("--") and "=" not in word and word not in _ALONE for word in words]
-    after = {i + 1 for i, flag in enumerate(flags) if flag}
-    free = [word for i, word in enumerate(words) if i not in after and word and not word.startswith("-")]
-    others = [words[i] for i in sorted(after) if i < len(words) and _may_be_scene(words[i])]
-    if not (free or others):
-        return Scene
-    named = [*free, *others][0]
-    return scene_class(read_scene_file(Path(named))["scene"] if named.endswith(".toml") else named)
-
-
-def _may_be_scene(word: str) -> bool:
-    return word in NAMES or word.endswith(".toml") or ".py:" in word
 
 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the scene with its options, and those of its run; also of `nearflat plan`."""
     text = f"{', '.join(NAMES)}, a TOML file that names a scene and sets options, or FILE.py:CLASS, your own"
     command.add_argument("scene", metavar="SCENE", help=text)
-    kind = scene_named(words)
-    if kind is not Scene:
+    command.usage = f"{command.prog} SCENE [option ...]"
+    kind, first = Scene, words[0] if words else ""
+    if first.startswith("-"):
+        if not {"-h", "--help"} & {*words}:
+            raise InputError(f"scene: comes before its options; write {command.prog} SCENE {first} ...")
+    elif first:
+        kind = scene_class(read_scene_file(Path(first))["scene"] if first.endswith(".toml") else first)
         command.description = f"{command.description} {first_line(kind)}"
-        own = [word for word in words if ".py:" in word]  # a scene of the user's has no other name here
-        command.epilog = f"example: {command.prog} {[*own, kind.name][0]} --disk hoop --out results/mine"
+        command.epilog = f"example: {command.prog} {first} --disk hoop --out results/mine"
     kind.add_to(command)
     Settings.add_to(command)
     which = command.add_mutually_exclusive_group()

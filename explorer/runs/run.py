@@ -147,12 +147,10 @@ class Run:
                 if said["identity"] != due:
                     fault = "its chunks are not those that run.json describes"
                     raise RunError(f"{part.folder}: {fault}; see: nearflat verify {part.folder}")
-                with self.scene.running("tally"):
-                    total += self.scene.tally.of_state(said["tally"])
+                total += self.scene.tally.of_state(said["tally"])
                 digests.append(said["digest"])
-        with self.scene.running("summarise"):
-            numbers = {**self.options, **plain(self.scene.summarise(total))}
-            store.as_json(numbers)  # fails here where it is no JSON
+        numbers = {**self.options, **plain(self.scene.summarise(total))}
+        store.as_json(numbers)  # fails here where it is no JSON
         numbers["digest"] = store.digest_of_all(digests)
         if self._parts:
             numbers["seed"] = [part.scene.seed for part in self._parts]
@@ -166,8 +164,7 @@ class Run:
     @property
     def headline(self) -> list[str]:
         """The numbers in a few lines of text."""
-        with self.scene.running("headline"):
-            return self.scene.headline(self.summary)
+        return self.scene.headline(self.summary)
 
     @property
     def status(self) -> Progressed:
@@ -210,8 +207,7 @@ class Run:
 
     def _pictures(self) -> dict[str, Picture]:
         total, summary = self._total
-        with self.scene.running("figures"):
-            return dict(self.scene.figures(summary, total))
+        return dict(self.scene.figures(summary, total))
 
     def figure(self, name: str, ax: "Axes | None" = None, **options: Any) -> "Figure":
         """One picture of the run.
@@ -229,8 +225,7 @@ class Run:
 
         known = self._pictures()
         picture = known[one_of("figure", name, known)]
-        with self.scene.running("figures"):
-            return whole_figure(picture(**options) if ax is None else picture(ax=ax, **options))
+        return whole_figure(picture(**options) if ax is None else picture(ax=ax, **options))
 
     def tables(self, columns: Columns = None) -> Iterator[Table]:
         """The kept samples chunk by chunk, in order, as arrays by name. Raises RunError where one is missing.

@@ -125,20 +125,16 @@ Done = tuple[Chunk, dict[str, int]]  # a chunk, and in which status its samples 
 
 def make_chunk(scene: Scene, index: int, identity: str, folder: Path | None) -> Done:
     """Compute a chunk, and write it where there is a folder; and in which status its samples ended."""
-    with scene.running("chunk"):
-        table, tally = scene.chunk(index)
-    with scene.running("columns"):
-        arrow = as_arrow(scene, table)
-        arrow.select(list(scene.columns))  # fails where one is missing
-        read = {name: _values(arrow.column(name)) for name in table if table[name].dtype.kind not in "fiub"}
+    table, tally = scene.chunk(index)
+    arrow = as_arrow(scene, table)
+    arrow.select(list(scene.columns))  # fails where one is missing
+    read = {name: _values(arrow.column(name)) for name in table if table[name].dtype.kind not in "fiub"}
     note: dict[str, Any] = {"index": index, "identity": identity, "samples": scene.length(index)}
-    with scene.running("tally"):
-        note["tally"] = tally.state()
-        note["digest"] = digest_of({**table, **read}, note["tally"])
-        text = json.dumps(note, allow_nan=False).encode()
+    note["tally"] = tally.state()
+    note["digest"] = digest_of({**table, **read}, note["tally"])
+    text = json.dumps(note, allow_nan=False).encode()
     stream = pa.BufferOutputStream()
-    with scene.running("columns"):
-        _write_parquet(arrow, stream, {_NOTE: text, _CHECK: sha256(text).encode()})
+    _write_parquet(arrow, stream, {_NOTE: text, _CHECK: sha256(text).encode()})
     content = stream.getvalue().to_pybytes()
     chunk = Chunk(f"chunk-{index:06d}-{sha256(content)[:16]}.parquet", content)
     if folder is not None:

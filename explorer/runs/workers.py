@@ -7,6 +7,7 @@ import signal
 import sys
 import threading
 import time
+import traceback
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor
 from functools import cache, partial
@@ -16,7 +17,7 @@ from typing import Any
 import numpy as np
 from joblib import Parallel, delayed
 
-from explorer.errors import RunError
+from explorer.errors import InputError, RunError
 from explorer.runs import folder as folders
 from explorer.runs.interrupt import SIGNALS, withheld
 from explorer.runs.settings import Settings
@@ -57,6 +58,14 @@ def compute(scene: Scene, known: dict[str, Any], folder: Path | None, index: int
         raise RunError(
             f"chunk {index}: {scene.length(index):,} samples do not fit into memory; give a smaller chunk_size"
         ) from None
+    except (InputError, RunError):
+        raise
+    except Exception as error:  # of a user's scene; joblib's threads lose the line that raised it
+        raised = traceback.extract_tb(error.__traceback__)
+        file = getattr(sys.modules[type(scene).__module__], "__file__", None)
+        at = [*raised, *(each for each in raised if each.filename == file)][-1]
+        where = f"scene {scene.name}: {at.filename}, line {at.lineno}, in {at.name}"
+        raise RunError(f"{where}: {type(error).__name__}: {in_one_line(error)}") from error
 
 
 def compute_all(scene: Scene, missing: list[int], settings: Settings, stop: threading.Event) -> Iterator[Done]:

@@ -8,24 +8,23 @@ chunks and blocks, which rows are kept, files and workers are not its concern.
 import re
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, RunError, one_of, shorten, shown, suggest
+from explorer.errors import InputError, RunError, one_of, shown, suggest
 from explorer.measure.sampling import Stream, chunk_stream
 from explorer.measure.tallies import ByName, Tally, count_status
 from explorer.motion.plan import METHODS, Plan, plan
 from explorer.phase.columns import Column
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.paths import read_toml
-from explorer.scenes.options import DISK, NUMBER, Options, key_of, option, options_of, whole_from, word_of
+from explorer.scenes.options import DISK, NUMBER, Options, option, whole_from, word_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,19 +35,6 @@ Picture: TypeAlias = "Callable[..., Axes | Figure]"
 Table = dict[str, NDArray[Any]]
 K = TypeVar("K", bound="type[Scene]")
 SAMPLES = whole_from(1, 10**12), "number of samples, e.g. 1e6"
-_NO_NUMBERS = ("scene", "digest")  # of a summary, which a headline leaves out
-
-
-@contextmanager
-def code_of_user(place: str | None) -> Iterator[None]:
-    """Say in a sentence what fails in a user's code, and at which place; None: in our own, which says itself."""
-    try:
-        yield
-    except Exception as error:
-        if place is None or isinstance(error, InputError | RunError | MemoryError):
-            raise
-        what = " ".join(f"{type(error).__name__}: {error}".split())
-        raise RunError(f"{place}: {shorten(what, 300)}") from error
 
 
 class Counts(Tally):
@@ -86,23 +72,9 @@ class Scene(Options, ABC):
     def __post_init__(self) -> None:
         """Raise InputError where options do not go together; scenes add what they must refuse."""
         super().__post_init__()
-        for name in ("seed", "samples"):
-            if not isinstance(getattr(self, name, 0), int):
-                raise InputError(f"{name}: is a whole number in every scene; declare it anew by whole_from(...)")
         _ = self.plan  # a method that cannot give the observables is refused before anything is written
         if not self.observables and self.method != "auto":
             raise InputError(f"method {self.method}: {self.name} names no observables, so it has no methods")
-
-    @classmethod
-    def of(cls, given: Mapping[str, Any]) -> Self:
-        with cls.running("__post_init__"):
-            return super().of(given)
-
-    @classmethod
-    def running(cls, method: str) -> AbstractContextManager[None]:
-        """A method of the scene, of which a user's is named where it fails: my.py:Scene.method."""
-        ours = cls.__module__.startswith("explorer.")
-        return code_of_user(None if ours else f"{file_of(cls) or cls.__qualname__}.{method}")
 
     @property
     def options(self) -> dict[str, Any]:
@@ -131,13 +103,13 @@ class Scene(Options, ABC):
         return ()
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
-        """The summary in a few lines of text: `says`, or plain numbers that are no defaults; how samples ended."""
+        """The summary in a few lines of text: `says`, or its numbers that are no options; how samples ended."""
         lines = [text for line in self.says if (text := _filled(line, summary))]
-        usual = {key_of(each): each.default for each in options_of(type(self))}
+        known = {*self.options, "digest"}
         plain = [
             f"{name}: {value}"
             for name, value in summary.items()
-            if isinstance(value, int | float | str) and value != usual.get(name) and name not in _NO_NUMBERS
+            if isinstance(value, int | float | str) and name not in known
         ]
         ended = ", ".join(f"{count:,} {name}" for name, count in summary.get("status", {}).items())
         return [*(lines or plain), *([f"status: {ended}"] if ended else [])]
@@ -208,28 +180,27 @@ class SampledScene(Scene):
     def blocks(self, index: int) -> Iterator[Any]:
         """What `observe` takes, block by block."""
         count = self.length(index)
-        with self.running("draw"):
-            drawn = self.draw(chunk_stream(self.seed, index), count)
-            for first in range(0, count, self.block):
-                yield {name: values[first : first + self.block] for name, values in drawn.items()}
+        drawn = self.draw(chunk_stream(self.seed, index), count)
+        for first in range(0, count, self.block):
+            yield {name: values[first : first + self.block] for name, values in drawn.items()}
 
     def chunk(self, index: int) -> tuple[Table, Any]:
         tally, kept = self.tally(), []
         for block in self.blocks(index):
-            with self.running("observe"):
-                table = self.observe(block)
-                table["status"] = np.asarray(table["status"]).astype(np.int8, copy=False)
-                shapes = {name: np.shape(values) for name, values in table.items()}
-                if len({*shapes.values()}) > 1:
-                    raise ValueError(f"columns of several shapes {shapes}; give one row for each sample")
-                tally.status += count_status(table["status"][:: self.rows])
-            with self.running("count"):
-                self.count(tally, table)
-            with self.running("near"):
-                kept.append(self.kept(table))
-        with self.running("draw and observe"):
-            if (counted := sum(tally.status.values())) != (due := self.length(index)):
-                raise ValueError(f"{counted} samples, not {due}; give one row for each sample")
+            table = self.observe(block)
+            table["status"] = np.asarray(table["status"]).astype(np.int8, copy=False)
+            shapes = {name: np.shape(values) for name, values in table.items()}
+            if len({*shapes.values()}) > 1:
+                raise RunError(
+                    f"{self.name}: observe gives columns of several shapes {shapes}; give one row for each sample"
+                )
+            tally.status += count_status(table["status"][:: self.rows])
+            self.count(tally, table)
+            kept.append(self.kept(table))
+        if (counted := sum(tally.status.values())) != (due := self.length(index)):
+            raise RunError(
+                f"{self.name}: draw and observe give {counted} samples, not {due}; give one row for each sample"
+            )
         return joined(kept), tally
 
     def kept(self, table: Table) -> Table:
@@ -343,8 +314,7 @@ def _in_file(where: str) -> type[Scene]:
         raise InputError(f"scene {where}: Python cannot import a file with a dot in its name; rename the file")
     if str(file.parent) not in sys.path:
         sys.path.insert(0, str(file.parent))
-    with code_of_user(f"scene {where}"):
-        module = import_module(file.stem)
+    module = import_module(file.stem)
     if Path(str(module.__file__)).resolve() != file:
         raise InputError(f"scene {where}: {file.stem} is the name of another module; rename the file")
     own = {each: kind for each, kind in vars(module).items() if isinstance(kind, type) and issubclass(kind, Scene)}

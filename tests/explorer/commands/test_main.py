@@ -108,6 +108,7 @@ def small_demo(monkeypatch):
     small = ({"samples": 3000, "grid": 31}, {"samples": 2}, {"samples": 2000})
     steps = tuple((n, {**d, **o}, t) for (n, d, t), o in zip(demo_module._STEPS, small, strict=True))
     monkeypatch.setattr(demo_module, "_STEPS", steps)
+    monkeypatch.setattr(demo_module, "STATES", 3000)
 
 
 def test_the_demo_runs_again_in_its_own_folder_and_in_no_other(capsys, tmp_path, small_demo):
@@ -116,6 +117,7 @@ def test_the_demo_runs_again_in_its_own_folder_and_in_no_other(capsys, tmp_path,
     assert status == 0
     assert "README.md" in printed
     assert "wrong way: 0" in err
+    assert "rk8: 3,000 ok" in err
     page = (out / "README.md").read_text()
     pictures = re.findall(r'<img src="([^"]+)"', page)
     assert len(pictures) == 13

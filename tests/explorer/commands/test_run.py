@@ -105,17 +105,10 @@ def test_runs_are_merged_in_any_order_and_may_keep_other_rows(run, capsys, tmp_p
     assert (said[0]["samples"], said[0]["seed"]) == (10_000, [0, 1])
 
 
-@pytest.mark.parametrize("out", ["falling-set", "set.toml", "my.py:Scene"])
-def test_the_value_of_an_option_before_the_scene_is_not_taken_for_the_scene(out, capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    after = ("race-angles", "--samples", "50", "--eta-hat", "1e-5:1e-3")
-    for before in (
-        ("--no-figures", "--quiet", "--out", out),
-        ("--out", out, "--quiet", "--replace", "--no-figures"),
-    ):
-        status, _, err = said(capsys, "run", *before, *after)
-        assert status == 0, err
-        assert ex.open(tmp_path / out).options["eta_hat"] == [1e-5, 1e-3]
+def test_the_scene_comes_before_its_options(capsys):
+    status, _, err = said(capsys, "run", "--out", "falling-set", "race-angles")
+    assert status == 2
+    assert "scene: comes before its options; write nearflat run SCENE --out ..." in err
 
 
 def test_the_command_line_wins_over_a_scene_file_that_uses_the_names_of_run_json(capsys, tmp_path):
