@@ -36,7 +36,7 @@ from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, Range
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import barrier, critical_X2, well
-from explorer.phase.lines import line_chart
+from explorer.phase.linear_constants import line_chart
 from explorer.phase.results import Table
 from explorer.phase.roots import changes_of_sign, roots_among
 from explorer.phase.states import Array

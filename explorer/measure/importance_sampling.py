@@ -23,7 +23,7 @@ from explorer.motion.orbits import KERNELS as OF_ENDS
 from explorer.motion.trajectories import finer
 from explorer.motion.turning_points import smallest_tilts
 from explorer.phase.disk import Disk
-from explorer.phase.lines import line_chart, motion_given, other_eta_hat
+from explorer.phase.linear_constants import line_chart, motion_given, other_eta_hat
 from explorer.phase.states import Array, States
 
 BLOCK = 1 << 14

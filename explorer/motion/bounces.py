@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, whole
 from explorer.motion.arcs import allowed
-from explorer.motion.falls import KERNELS, departures_of_moving, fall_integrals
+from explorer.motion.fall_integrals import KERNELS, departures_of_moving, fall_integrals
 from explorer.motion.orbits import KERNELS as OF_ENDS
 from explorer.motion.orbits import Ends, tilt_errors
 from explorer.motion.periods import arcs_of, of_motions
@@ -19,7 +19,7 @@ from explorer.motion.plan import Plan, plan
 from explorer.motion.starts import ArcStarts, face_of
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import impact_speed
-from explorer.phase.lines import line_chart
+from explorer.phase.linear_constants import line_chart
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
 

@@ -22,7 +22,7 @@ from explorer.phase import falling_set
 from explorer.phase.arguments import column
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import falls_of
-from explorer.phase.lines import line_chart, motion_given
+from explorer.phase.linear_constants import line_chart, motion_given
 from explorer.phase.results import Table
 from explorer.phase.states import Array, Rows, States, require_states
 

@@ -10,7 +10,7 @@ from explorer import compiled
 from explorer.motion.arcs import OF_ANGLES, allowed, arcs_between, from_place, integrals, next_inward, places
 from explorer.motion.starts import ArcStarts
 from explorer.phase.disk import Disk
-from explorer.phase.lines import rows_of
+from explorer.phase.linear_constants import rows_of
 from explorer.phase.states import Array
 
 # Of `ends_of`, and of what goes on from there: for `compiled.warmup`

@@ -12,16 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, positive
 from explorer.motion.arcs import OF_ANGLES
-from explorer.motion.falls import departures_of_moving, fall_integrals, rows_apart
+from explorer.motion.error_estimates import accepted
+from explorer.motion.fall_integrals import departures_of_moving, fall_integrals, rows_apart
+from explorer.motion.passage_starts import VerticalStarts, starts_at_vertical
 from explorer.motion.passages_by_integration import by_integration
 from explorer.motion.passages_by_quadrature import by_quadrature
 from explorer.motion.plan import Plan, plan
-from explorer.motion.precision import asked
 from explorer.motion.threads import blocks, in_parts
-from explorer.motion.vertical import VerticalStarts, starts_at_vertical
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
-from explorer.phase.lines import rows_of
+from explorer.phase.linear_constants import rows_of
 from explorer.phase.results import Result, joined
 from explorer.phase.states import Array
 
@@ -221,7 +221,7 @@ def _assemble(
     """Results in the units of the disk, with the fall taken out of chi. parts: samples of the starts, in order."""
     races, n, first = compiled.races, starts.status.size, 0
     by_integrals = how.method == "quadrature"
-    bounds = (how.accuracy, 0.0, OF_ANGLES) if by_integrals else (asked(how, 0.0), _FLOOR, 0.0)
+    bounds = (how.accuracy, 0.0, OF_ANGLES) if by_integrals else (accepted(how, 0.0), _FLOOR, 0.0)
     terms = races.Terms(*bounds)
     units = races.Units(disk.time_unit, disk.energy_unit, disk.rate_unit, disk.race_limit)
     out, status = rows_apart(12, n), np.empty(n, np.int8)

@@ -5,14 +5,14 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion.arcs import from_place, next_inward, places
-from explorer.motion.falls import OF_FALL, by_tables, rows_apart
+from explorer.motion.fall_integrals import OF_FALL, by_tables, rows_apart
 from explorer.motion.orbits import ends_of, orbits_of
+from explorer.motion.passage_starts import VerticalStarts, depth
 from explorer.motion.plan import Plan
 from explorer.motion.starts import ArcStarts
-from explorer.motion.vertical import VerticalStarts, depth
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
-from explorer.phase.lines import line_slope, rows_of
+from explorer.phase.linear_constants import line_slope, rows_of
 from explorer.phase.states import Array
 
 _AS_FROM_REST = 1e-140  # of speeds: less changes no digit, and its square may have none

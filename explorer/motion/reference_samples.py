@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.motion.compare import apart
+from explorer.motion.passage_starts import VerticalStarts
 from explorer.motion.passages import OBSERVABLES as OF_PASSAGES
 from explorer.motion.passages import Passages, passages_by, reference_passages
 from explorer.motion.plan import INTEGRATORS, Plan, plan
 from explorer.motion.trajectories import Trajectories, trajectories_by
-from explorer.motion.vertical import VerticalStarts
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.phase.disk import Disk
 from explorer.phase.falling_set import falls_of
-from explorer.phase.lines import Motion
+from explorer.phase.linear_constants import Motion
 from explorer.phase.states import Array, Rows, States
 
 # An error in eta above this share of |eta| makes the direction of the race doubtful. Ten times stricter than the

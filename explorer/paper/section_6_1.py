@@ -25,7 +25,7 @@ from explorer.paper.four_dimensions import potential, rates_down, reduced, shot_
 from explorer.paper.statement import Finding, statement
 from explorer.phase.constants import constants_of
 from explorer.phase.disk import Disk
-from explorer.phase.lines import line_chart, line_slope
+from explorer.phase.linear_constants import line_chart, line_slope
 from explorer.phase.states import Array, phi_to_states
 
 

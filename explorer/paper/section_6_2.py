@@ -17,7 +17,7 @@ from explorer.paper.four_dimensions import potential, rates_down, reduced, shot_
 from explorer.paper.statement import Finding, statement
 from explorer.phase.disk import Disk
 from explorer.phase.falling_set import falls, falls_of, well
-from explorer.phase.lines import line_chart
+from explorer.phase.linear_constants import line_chart
 from explorer.phase.states import phi_to_states
 
 _BESIDE = 1e-7  # eta_hat: far above rounding, far below what decides who falls

@@ -20,7 +20,7 @@ from explorer.phase.arguments import column, read_columns
 from explorer.phase.columns import ANGLE, COLUMNS, RATE
 from explorer.phase.disk import Disk, require_axial_inertia, require_disk
 from explorer.phase.energy import energy_at
-from explorer.phase.lines import line_chart, line_slope, motion_given
+from explorer.phase.linear_constants import line_chart, line_slope, motion_given
 from explorer.phase.states import Array, States, StateWarning, phi_to_states, theta_to_states
 
 T = TypeVar("T")

@@ -16,9 +16,9 @@ import numpy as np
 
 from explorer import compiled
 from explorer.errors import InputError, double_of, nearest, number, one_of, positive, said, shown, word
+from explorer.paths import read_toml
 from explorer.phase.arguments import Array as Array
 from explorer.phase.energy import energy_at
-from explorer.phase.paths import read_toml
 
 Number = TypeVar("Number", float, Array)
 

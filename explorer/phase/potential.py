@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from explorer.errors import InputError, number, shown, sign
 from explorer.phase.arguments import column, read_range
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.lines import line_chart, line_slope, nearer_plus, other_eta_hat
+from explorer.phase.linear_constants import line_chart, line_slope, nearer_plus, other_eta_hat
 from explorer.phase.roots import changes_of_sign, roots_among
 from explorer.phase.states import Array
 

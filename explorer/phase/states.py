@@ -18,7 +18,7 @@ from explorer.errors import InputError, shown
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
 from explorer.phase.disk import Array as Array
-from explorer.phase.lines import Motion, line_slope, motion_given, motion_through, rows_of
+from explorer.phase.linear_constants import Motion, line_slope, motion_given, motion_through, rows_of
 from explorer.phase.results import COORDINATES as COORDINATES
 from explorer.phase.results import WithStatus
 

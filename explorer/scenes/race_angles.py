@@ -28,8 +28,8 @@ from explorer.measure.races import (
 from explorer.measure.sampling import Range, Stream, log_uniform, read_ranges, signs
 from explorer.measure.tallies import ByName, Histogram, LogHistogram
 from explorer.motion.bounces import MOST, bounce_kernels, bounces, motion_constants
+from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.passages import passage_kernels, passages_by
-from explorer.motion.vertical import starts_at_vertical
 from explorer.phase.states import Array
 from explorer.scenes.given_states import Block
 from explorer.scenes.options import RANGE, RANGES, option, whole_from, word_of

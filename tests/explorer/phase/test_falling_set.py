@@ -7,11 +7,11 @@ from numpy.polynomial.polynomial import polyval
 
 import explorer as ex
 from explorer import compiled
-from explorer.motion.falls import fall_from_vertical
+from explorer.motion.fall_integrals import fall_from_vertical
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.falling_set import falls_of, impact_speed, obstacle, well
-from explorer.phase.lines import line_slope
+from explorer.phase.linear_constants import line_slope
 from explorer.phase.states import constants_to_states
 
 WELLS = {"uniform": 0.34456, "hoop": 0.31638, "matching": 0.33436}

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion.arcs import PIECE, arcs_between, by_rules, from_place, integrals, places
-from explorer.motion.vertical import depth
+from explorer.motion.passage_starts import depth
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
-from explorer.phase.lines import line_slope, rows_of
+from explorer.phase.linear_constants import line_slope, rows_of
 from explorer.phase.states import Array
 
 KERNELS = (

@@ -1,4 +1,4 @@
-"""The lines l_+ and l_-, on which motions may fall, and the distance from them: sigma3_bar, eta and eta_hat.
+"""The linear constants of motions, sigma3_bar, eta and eta_hat, and the lines l_+ and l_- where an eta is zero.
 
 A motion that stays beside flat has three linear constants: sigma3_bar, eta_plus and eta_minus. They hang
 together by eta_plus + eta_minus = 2 I1 r'(0) sigma3_bar, eq. (6.2), and eta_plus vanishes on l_+, eq. (6.1).
