@@ -14,8 +14,8 @@ from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.reference_samples import ReferencePassages, ReferenceSamples, through_time
 from explorer.motion.work_precision import Measured, Row, measure
 from explorer.paths import made_folder
+from explorer.phase.coordinates import constants_to_states
 from explorer.phase.disk import SYNTAX, Disk
-from explorer.phase.states import constants_to_states
 from explorer.scenes.options import DISK, RANGE, RANGES, TRUTH, Options, Reader, option, whole_from
 from explorer.scenes.race_angles import NearF, start_of
 from explorer.scenes.scene import joined

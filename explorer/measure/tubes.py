@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
-from explorer.phase.linear_constants import LineChart, line_chart
+from explorer.phase.linear_constants import line_chart
 from explorer.phase.states import Array
 
 # Half the width of a tube is sought by iteration. Each round overshoots by this much, so that it ends above the
@@ -77,7 +77,7 @@ class TiltAndRate(NamedTuple):
     q: Array
     z: Array
     phidot: Array
-    chart: LineChart
+    chart: "compiled.falling.LineChart[Array]"
 
     def energy(self, bar: Array, eta: Array) -> Array:
         s3, s4 = self.chart.rates(bar, eta)

@@ -200,8 +200,8 @@ def reference_passages(disk: Disk, starts: VerticalStarts) -> Passages:
 
 def passage_kernels(how: Plan) -> tuple[str, ...]:
     """The kernels of `passages` by a plan, for `compiled.warmup`; a few starts need another one."""
-    quadrature = how.method == "quadrature"
-    by = ("passages.passage_batch",) if quadrature else ("algebra.constants_batch", how.kernel)
+    steps = "algebra.constants_batch", "falling.line_chart_batch", how.kernel
+    by = ("passages.passage_batch",) if how.method == "quadrature" else steps
     return *by, "passages.fall_batch", "races.race_batch"
 
 

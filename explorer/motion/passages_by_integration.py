@@ -8,8 +8,9 @@ from explorer.motion.error_estimates import accepted
 from explorer.motion.passage_starts import VerticalStarts
 from explorer.motion.plan import Plan
 from explorer.motion.turning_points import TurningPoints, turning_points
+from explorer.phase.coordinates import constants_to_states
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array, States, constants_to_states
+from explorer.phase.states import Array, States
 
 # What rounding moves p by while a slow start leaves the vertical, for each unit of the rates there: some units of
 # the last digit. It covers the errors of starts with any eta_hat up to 1e4, down to speeds of 1e-11, within 2.

@@ -15,9 +15,10 @@ from explorer.errors import InputError, number, whole
 from explorer.motion.periods import periods
 from explorer.motion.trajectories import simulate
 from explorer.phase.arguments import read_pair
+from explorer.phase.coordinates import constants_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import WithStatus, require_ok
-from explorer.phase.states import Array, States, constants_to_states, require_states
+from explorer.phase.states import Array, States, require_states
 
 # Errors of chi per period add up over the periods of a path: 1e-9 leaves 1e-5 rad after the most of them.
 _ACCURACY = 1e-9

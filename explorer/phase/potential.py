@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from explorer.errors import InputError, number, shown, sign
 from explorer.phase.arguments import column, read_range
-from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.disk import LARGEST_RATE, Disk, require_axial_inertia
 from explorer.phase.linear_constants import line_chart, line_slope, nearer_plus, other_eta_hat
 from explorer.phase.roots import changes_of_sign, roots_among
 from explorer.phase.states import Array
@@ -31,7 +31,6 @@ _WALL = 1e-6  # the same beside a line, as a share of |eta_hat|: there the wall 
 _SMALLEST = 1e-290  # rad; doubles of cosh y end soon after
 _FARTHEST = 700.0  # in size, of y: there they do
 _POINTS = 400  # of a curve, and some more where it runs to flat
-_LARGEST = 1e100  # of a constant of motion; squares of larger ones overflow
 _TOLD_APART = 1e-10  # of an energy: levels as far apart differ by many roundings, also at the fastest rates
 CENTRE, SADDLE, DEGENERATE = "centre", "saddle", "degenerate"
 TURNING, FLAT = "turning point", "flat"
@@ -404,7 +403,7 @@ def potential(
 
 
 def _constant(name: str, value: float) -> float:
-    return number(name, value, -_LARGEST, _LARGEST)
+    return number(name, value, -LARGEST_RATE, LARGEST_RATE)
 
 
 def _phi(y: float, end: str = TURNING) -> float:

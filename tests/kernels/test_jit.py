@@ -147,7 +147,7 @@ from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.linear_constants import line_chart
 from explorer.phase.falling_set import barrier
-from explorer.phase.states import constants_to_states
+from explorer.phase.coordinates import constants_to_states
 from explorer.scenes.falling_set import FallingSet
 from explorer.scenes.race_angles import RaceAngles
 from numba.core.runtime import _nrt_python, rtsys

@@ -10,7 +10,8 @@ import explorer as ex
 from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.passages import passages_by, reference_passages
 from explorer.motion.plan import plan
-from explorer.phase.states import constants_to_states, phi_to_states
+from explorer.phase.coordinates import constants_to_states
+from explorer.phase.states import phi_to_states
 
 
 @pytest.mark.parametrize("face", [1, -1])
