@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, flag, shown, whole
-from explorer.measure.sampling import ChartBox, Range, in_radians, read_ranges
+from explorer.measure.sampling import Range, Ranges, in_radians, read_ranges
 from explorer.motion.plan import plan
 from explorer.motion.scan import Observable, Scan, scan
 from explorer.motion.turning_points import smallest_tilt
@@ -23,8 +23,7 @@ _MOST_POINTS = 4000  # a side; 16 million states, of which every array takes 128
 SLICE_ACCURACY = 1e-3  # relative, of theta_min: a picture shows no more
 
 
-@dataclass(frozen=True)
-class Slice(ChartBox):
+class Slice(Ranges):
     """A plane in the phase space: two coordinates or constants of motion with a range, the others fixed."""
 
     @classmethod

@@ -13,7 +13,7 @@ from explorer import compiled
 from explorer.errors import InputError, jobs_of, positive
 from explorer.motion.arcs import OF_ANGLES
 from explorer.motion.error_estimates import accepted
-from explorer.motion.fall_integrals import departures_of_moving, fall_integrals, rows_apart
+from explorer.motion.fall_integrals import departures_of_moving, fall_integrals
 from explorer.motion.passage_starts import VerticalStarts, starts_at_vertical
 from explorer.motion.passages_by_integration import by_integration
 from explorer.motion.passages_by_quadrature import by_quadrature
@@ -224,7 +224,7 @@ def _assemble(
     bounds = (how.accuracy, 0.0, OF_ANGLES) if by_integrals else (accepted(how, 0.0), _FLOOR, 0.0)
     terms = races.Terms(*bounds)
     units = races.Units(disk.time_unit, disk.energy_unit, disk.rate_unit, disk.race_limit)
-    out, status = rows_apart(12, n), np.empty(n, np.int8)
+    out, status = np.empty((12, n)), np.empty(n, np.int8)
     for samples in parts:
         kinetic = 0.5 * disk.body.M * samples.speed**2
         departures = departures_of_moving(disk, samples.sigma3_bar, samples.eta, kinetic, kinetic)
@@ -233,7 +233,7 @@ def _assemble(
         races.race_batch(samples, falls, terms, units, disk.natural, first, out)
         status[first : first + samples.status.size] = samples.status
         first += samples.status.size
-    found = races.RaceRow(*out[:, :n])._asdict()
+    found = races.RaceRow(*out)._asdict()
     return Passages(
         disk=disk,
         sigma3_bar=starts.sigma3_bar,

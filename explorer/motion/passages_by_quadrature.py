@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion.arcs import from_place, next_inward, places
-from explorer.motion.fall_integrals import OF_FALL, by_tables, rows_apart
+from explorer.motion.fall_integrals import OF_FALL, by_tables
 from explorer.motion.orbits import ends_of, orbits_of
 from explorer.motion.passage_starts import VerticalStarts, depth
 from explorer.motion.plan import Plan
@@ -27,9 +27,8 @@ def by_quadrature(
     """
     crossings = starts.natural(disk)
     n, code = starts.status.size, compiled.status.Status
-    out, most = rows_apart(8, n), (1.0 - OF_FALL) * how.accuracy
-    out.fill(np.nan)
-    found, status = compiled.passages.PassageRow(*out[:, :n]), starts.status.copy()
+    out, most = np.full((8, n), np.nan), (1.0 - OF_FALL) * how.accuracy
+    found, status = compiled.passages.PassageRow(*out), starts.status.copy()
     status[(status == code.OK) & (crossings.eta == 0.0)] = code.FALLS
 
     def left() -> NDArray[np.intp]:

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from explorer.errors import InputError, number, shown, sign
 from explorer.phase.arguments import column, read_range
 from explorer.phase.disk import LARGEST_RATE, Disk, require_axial_inertia
+from explorer.phase.energy import energy_at
 from explorer.phase.linear_constants import line_chart, line_slope, nearer_plus, other_eta_hat
 from explorer.phase.roots import changes_of_sign, roots_among
 from explorer.phase.states import Array
@@ -164,7 +165,7 @@ class Potential:
             s3, s4 = chart.rates(self.bar, self.eta)
             s4 = self.face * s4
             rho = s3 / q
-            V = 0.5 * b.I1 * rho * rho + 0.5 * b.J * s4 * s4 + q
+            V = energy_at(b, 0.0, rho, s4, q)
             slope = b.I1 * rho * (rho / q) * z - b.J * rho * s4 - z
             curvature = curvature_of(q, z, s3, s4, b)
             # What rounds: sigma3 and sigma4 are sums, and at the vertical D is a difference of terms of order 1

@@ -21,7 +21,7 @@ def error_of(samples, method, setting):
     """The 99th percentile of the errors at a setting, where no sample is refused for its error."""
     how = replace(plan(samples.observables, 1e-11, method), setting=setting)  # falls to 1e-11
     tried = samples.compare(samples.call(how))
-    return np.nanpercentile(np.where(samples.known, tried.errors, np.nan), 99)
+    return np.nanpercentile(np.where(samples.exact.ok, tried.errors, np.nan), 99)
 
 
 def starts(count, seed):

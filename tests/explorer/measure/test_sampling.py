@@ -78,7 +78,7 @@ def test_what_a_box_leaves_out_keeps_its_default():
     assert box.phidot == (1.0, 1.0)
     assert box.sigma3 == (-2.0, 2.0)
     coin = BODIES["coin"]
-    assert Box.default(coin).sigma3[1] == 2.0 * coin.rate_unit
+    assert Box.default(coin).ranges["sigma3"][1] == 2.0 * coin.rate_unit
 
 
 def test_log_uniform_covers_its_decades_evenly():
