@@ -8,7 +8,7 @@ in the run, never on the number of workers.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Self
 
@@ -37,7 +37,7 @@ _ENDS = {
 class Ranges:
     """A range for each coordinate of a chart, in rad and the units of the disk; a fixed one has equal ends."""
 
-    ranges: dict[str, Range]
+    ranges: dict[str, Range] = field(hash=False)  # a dict has no hash
 
     @classmethod
     def of(cls, what: str, given: Mapping[str, Range]) -> Self:
