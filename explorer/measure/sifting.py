@@ -32,10 +32,8 @@ class Sifted:
 
 def in_lanes(disk: Disk, box: Ranges) -> bool:
     """Whether the pass takes this box: of phi, phidot, sigma3 and sigma4, of which none is bad input."""
-    if not isinstance(box, Box):
-        return False
-    rates = np.array([box.ranges[name] for name in COORDINATES[1:]]) / disk.rate_unit
-    return bool(np.max(abs(rates)) < LARGEST_RATE)
+    rates = (abs(end) for name, ends in box.ranges.items() if name != "phi" for end in ends)
+    return isinstance(box, Box) and max(rates) < LARGEST_RATE * disk.rate_unit
 
 
 def sift(disk: Disk, box: Ranges, random: Stream, sizes: tuple[int, int], near: float) -> Sifted:

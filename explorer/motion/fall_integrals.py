@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.arcs import PIECE, arcs_between, by_rules, from_place, integrals, places
-from explorer.motion.passage_starts import depth
+from explorer.motion.arcs import PIECE, arcs_between, by_rules, depth, from_place, integrals, places
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
 from explorer.phase.linear_constants import line_slope, rows_of

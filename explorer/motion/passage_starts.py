@@ -52,8 +52,3 @@ def starts_at_vertical(disk: Disk, sigma3_bar: Array, eta_hat: Array, speed: Arr
         np.where(good, face, 1.0),
         status,
     )
-
-
-def depth(phi: float) -> float:
-    """How far the tilt phi (rad) is below the vertical, in x = ln tan(theta/2)."""
-    return float(np.arctanh(np.sin(phi)))

@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.arcs import from_place, next_inward, places
+from explorer.motion.arcs import depth, from_place, next_inward, places
 from explorer.motion.fall_integrals import OF_FALL, by_tables
 from explorer.motion.orbits import ends_of, orbits_of
-from explorer.motion.passage_starts import VerticalStarts, depth
+from explorer.motion.passage_starts import VerticalStarts
 from explorer.motion.plan import Plan
 from explorer.motion.starts import ArcStarts
 from explorer.phase.disk import Disk

@@ -261,8 +261,8 @@ def to_arrow(columns: dict[str, NDArray[Any]]) -> "pa.Table":
     arrays, kinds = [], []
     for name, values in columns.items():
         if name == "status" and values.dtype.kind in "iu":
-            words = pa.concat_arrays([pa.repeat(word, 1) for word in _NAMES])  # `pa.array` loads pandas
-            array = pa.DictionaryArray.from_arrays(_arrow_array(values.astype(np.int8)), words)
+            codes = _arrow_array(values.astype(np.int8))
+            array = pa.DictionaryArray.from_arrays(codes, _arrow_texts(_NAMES))
         else:
             array = _arrow_array(values)
         known = COLUMNS.get(name) or COLUMNS.get(name.rpartition("_")[0])
@@ -284,3 +284,12 @@ def _arrow_array(values: NDArray[Any]) -> "pa.Array":
     if flat.dtype.kind in "iuf" and flat.dtype.isnative:
         return pa.Array.from_buffers(pa.from_numpy_dtype(flat.dtype), flat.size, [None, pa.py_buffer(flat)])
     return pa.array(flat)
+
+
+def _arrow_texts(texts: list[str]) -> "pa.Array":
+    """As `_arrow_array`, of texts."""
+    import pyarrow as pa
+
+    encoded = [text.encode() for text in texts]
+    ends = np.cumsum([0, *map(len, encoded)], dtype=np.int32)
+    return pa.StringArray.from_buffers(len(texts), pa.py_buffer(ends), pa.py_buffer(b"".join(encoded)))
