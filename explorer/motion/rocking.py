@@ -16,6 +16,7 @@ from explorer.errors import InputError, number
 from explorer.motion.periods import periods
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.results import Table
 from explorer.phase.states import Array, theta_to_states
 
 ETA_HAT = 1e-12
@@ -25,8 +26,8 @@ _LARGEST_TILT = 0.1  # rad; beyond, gravity is not m g r theta
 _ACCURACY = 1e-6  # of the turn (rad); terms of order theta_0, about 1e-8 by default, are left out anyway
 
 
-@dataclass(frozen=True)
-class Rocking:
+@dataclass(frozen=True, repr=False, eq=False)
+class Rocking(Table):
     """Motions that rock near flat, one entry per energy; arrays (n).
 
     Attributes
