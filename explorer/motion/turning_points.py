@@ -18,7 +18,7 @@ from explorer.motion.error_estimates import (
     less_where_amplified,
     speed_at_vertical,
 )
-from explorer.motion.orbits import KERNELS, ends_of, smallest, tilts_on
+from explorer.motion.orbits import KERNELS, ends_of, tilts_by_face
 from explorer.motion.plan import Plan
 from explorer.motion.starts import arc_starts, face_of, status_at_start
 from explorer.phase.linear_constants import rows_of
@@ -130,7 +130,9 @@ def smallest_tilts(states: States, count: int, accuracy: float) -> tuple[Array, 
     # The first approach may be on the other face than the one that is nearer to F. A pendulum falls on both.
     pendulum = falls & (states.motion.eta_plus == states.motion.eta_minus)
     elsewhere = (own[rows] * states.rows.p[rows] > 0.0) & ends.crosses & ~pendulum[rows] & (count == 1)
-    tilt, error = smallest(motions, ends) if count > 1 else tilts_on(elsewhere, motions, ends)
+    both, errors = tilts_by_face(motions, ends)
+    other = elsewhere if count == 1 else both[1] < both[0]
+    tilt, error = (np.where(other, each[1], each[0]) for each in (both, errors))
     falling = falls[rows] & ~elsewhere
     known = falling | (error <= accuracy)
     tilt = np.where(falling, 0.0, tilt)

@@ -272,10 +272,8 @@ def _states(disk: Disk, columns: tuple[Array, ...], good: NDArray[np.bool_], sha
         np.divide(sigma3, q * unit, out=row.rho)
         np.divide(sigma4, unit, out=row.sigma4)
         rates = row.p, row.rho * q, row.sigma4
-    # Squares beyond overflow; NaN fails the comparison as well. rho may be large near flat.
-    if not all(rate.min(initial=0.0) > -LARGEST_RATE and rate.max(initial=0.0) < LARGEST_RATE for rate in rates):
-        good &= np.all([abs(rate) < LARGEST_RATE for rate in rates], axis=0)
-    good &= np.isfinite(row.rho)
+    # NaN fails the comparison as well. rho may be large near flat.
+    good &= np.all([abs(rate) < LARGEST_RATE for rate in rates], axis=0) & np.isfinite(row.rho)
     # A placeholder keeps the kernels away from values that mean nothing; the status says so.
     natural[:, ~good] = 0.0
     row.q[~good] = 1.0
