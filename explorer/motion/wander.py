@@ -37,8 +37,8 @@ class Wander(Result):
         Time.
     chi : array
         Turn per period (rad).
-    shift : (..., 2) array
-        Shift of the centre over the table, a(tau) - a(0), for chi(0) = 0.
+    shift : (..., 3) array
+        Shift of the centre, a(tau) - a(0), for chi(0) = 0; along the table, so that its last entry is 0.
     radius : array
         Radius of the circle on which the centre lies after each period, |step|/(2 |sin(chi/2)|); infinite at a
         resonance.
@@ -108,15 +108,15 @@ def wander(states: States) -> Wander:
     """
     require_axial_inertia(require_states(states).disk)
     each = periods(states[:], _ACCURACY)
-    shift, status = np.full((len(states), 2), np.nan), each.status.copy()
+    shift, status = np.full((len(states), 3), np.nan), each.status.copy()
     for row in np.flatnonzero(each.ok).tolist():
         moved = simulate(states[row], t_eval=each.period[[row]], observables=("path",), accuracy=_ACCURACY)
         assert moved.path is not None
-        shift[row], status[row] = moved.path[0, 0, :2], moved.status[0]
+        shift[row], status[row] = (*moved.path[0, 0, :2], 0.0), moved.status[0]
     followed = status == compiled.status.Status.OK
     period, chi = (np.where(followed, values, np.nan) for values in (each.period, each.chi))
     with np.errstate(divide="ignore"):
-        radius = np.hypot(*shift.T) / (2.0 * abs(np.sin(0.5 * chi)))
+        radius = np.hypot(*shift.T[:2]) / (2.0 * abs(np.sin(0.5 * chi)))
     return Wander(period, chi, shift, radius, status, states).reshaped(states.shape)
 
 

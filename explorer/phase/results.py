@@ -23,7 +23,7 @@ _NAMES = [code.name.lower() for code in Status]
 _SHOWN = 6  # columns whose medians the description gives: what fits on a screen beside code
 COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
 _SIDED = ("race_angle", "delta_chi", "delta_psi")  # whose medians are told for each side of F
-_AXES = {2: "xy", 3: "xyz"}  # what the entries of a vector are called; others are counted
+_AXES = {3: "xyz"}  # what the entries of a vector are called; others are counted
 
 
 class WithStatus:
