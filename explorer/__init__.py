@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from explorer.motion.wander import wander_path as wander_path
     from explorer.phase.bifurcation import bifurcation as bifurcation
     from explorer.phase.constants import constants as constants
+    from explorer.phase.coordinates import constants_to_states as constants_to_states
     from explorer.phase.coordinates import coordinates_to_states as coordinates_to_states
     from explorer.phase.coordinates import rates_to_states as rates_to_states
     from explorer.phase.disk import Disk as Disk
@@ -53,7 +54,6 @@ if TYPE_CHECKING:
     from explorer.phase.results import Status as Status
     from explorer.phase.states import States as States
     from explorer.phase.states import StateWarning as StateWarning
-    from explorer.phase.states import constants_to_states as constants_to_states
     from explorer.phase.states import phi_to_states as phi_to_states
     from explorer.phase.states import theta_to_states as theta_to_states
     from explorer.phase.steady import circular_rolling as circular_rolling

@@ -8,7 +8,7 @@ it is read passes through as it is.
 
 Numbers are those of Python and numpy, and text; never a bool or a complex number. Readers of arrays and ranges, of
 states and of disks, which need numpy, are in `phase.arguments`, `phase.states` and `phase.disk`, those of files in
-`phase.paths`.
+`paths`.
 """
 
 import math

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from explorer.motion import falls, passages_by_quadrature
-from explorer.phase.states import constants_to_states
+from explorer.motion import fall_integrals, passages_by_quadrature
+from explorer.phase.coordinates import constants_to_states
 from kernels.near_flat.passages import Crossings, passage_batch
 
 
@@ -17,7 +17,7 @@ def batch(disk, sigma3_bar, eta_hat, speed, accuracy, by_tables):
         return np.flatnonzero(~(np.maximum(out[5], out[6]) <= accuracy))
 
     if by_tables:
-        falls.by_tables(disk, passage_batch, crossings, accuracy, left, out)
+        fall_integrals.by_tables(disk, passage_batch, crossings, accuracy, left, out)
     rows = left()
     some = Crossings(*(column[rows] for column in crossings))
     out[:, rows], status[rows] = passages_by_quadrature.as_arcs(disk, some, 0.0, accuracy)

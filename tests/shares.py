@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 import explorer as ex
+from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.reference_samples import IN_TIME, RACING, ReferenceMotions, ReferencePassages
-from explorer.motion.vertical import starts_at_vertical
 
 ACCURACIES = 10.0 ** -np.arange(2, 11)
 INTEGRATORS = ("rk4", "rk8", "dopri5", "dop853")
@@ -73,7 +73,7 @@ class Passages:
 
     def share(self, method, accuracy):
         found = ex.passages(self.disk, *self.given, method=method, accuracy=accuracy)
-        tried, known = self.samples.compare((found, None)), self.samples.known
+        tried, known = self.samples.compare((found, None)), self.samples.exact.ok
         estimates = found.error_estimate + self.samples.exact.error_estimate
         columns = (tried.errors, estimates, found.ok, tried.wrong_way)
         return share_of(accuracy, *(column[known] for column in columns))
@@ -93,7 +93,9 @@ class Motions:
         self.samples = [ReferenceMotions(states.at(rows), t) for rows, t in zip(parts, times, strict=True)]
         self.passages = np.repeat(np.maximum(1.0, ends / _PASSAGE), [rows.size for rows in parts])
         slow = [(abs(each.exact.phi) < 0.5 * np.pi - RACING).any(axis=1) for each in self.samples]
-        self.known = np.concatenate([each.known & known for each, known in zip(self.samples, slow, strict=True)])
+        self.known = np.concatenate(
+            [each.exact.ok & known for each, known in zip(self.samples, slow, strict=True)]
+        )
 
     def follow(self, states, times, **how):
         return ex.simulate(states, t_eval=times, **how)

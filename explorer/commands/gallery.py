@@ -12,7 +12,7 @@ from pathlib import Path
 
 from explorer.commands import Answer
 from explorer.errors import InputError, RunError
-from explorer.phase.paths import made_folder, path_of
+from explorer.paths import made_folder, path_of
 from explorer.runs.folder import read_record
 
 KINDS = (".png", ".gif", ".webp")

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from explorer.commands import Answer
 from explorer.errors import InputError, note, one_of
+from explorer.paths import made_folder
 from explorer.phase.disk import Disk
-from explorer.phase.paths import made_folder
 from explorer.scenes.options import DISK, FOLDER, Options, Reader, option
 from explorer.scenes.portrait import Portrait
 

@@ -10,12 +10,12 @@ from typing import Any
 from explorer.commands import Answer
 from explorer.errors import note, positive
 from explorer.measure.sampling import Range
+from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.reference_samples import ReferencePassages, ReferenceSamples, through_time
-from explorer.motion.vertical import starts_at_vertical
 from explorer.motion.work_precision import Measured, Row, measure
+from explorer.paths import made_folder
+from explorer.phase.coordinates import constants_to_states
 from explorer.phase.disk import SYNTAX, Disk
-from explorer.phase.paths import made_folder
-from explorer.phase.states import constants_to_states
 from explorer.scenes.options import DISK, RANGE, RANGES, TRUTH, Options, Reader, option, whole_from
 from explorer.scenes.race_angles import NearF, start_of
 from explorer.scenes.scene import joined

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from explorer.commands import Answer
 from explorer.errors import sign
+from explorer.paths import path_of
 from explorer.phase.disk import Disk
-from explorer.phase.paths import path_of
 from explorer.scenes.options import DISK, NUMBER, TRUTH, Options, Reader, option
 from explorer.view.page import view
 

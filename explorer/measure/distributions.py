@@ -15,7 +15,7 @@ from explorer.measure.sampling import Range, Stream
 from explorer.phase.arguments import read_range
 from explorer.phase.coordinates import Chart, angle_unit, chart_of, recognise, warn_of_degrees
 from explorer.phase.disk import Disk
-from explorer.phase.lines import line_chart, line_slope
+from explorer.phase.linear_constants import line_chart, line_slope
 from explorer.phase.states import Array, States
 
 _TILTS, _SPEEDS = ("phi", "theta", "tilt"), ("phidot", "thetadot", "tilt_rate", "energy")

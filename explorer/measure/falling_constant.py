@@ -35,8 +35,9 @@ from explorer.measure.box_integrals import (
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, Range
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.energy import energy_at
 from explorer.phase.falling_set import barrier, critical_X2, well
-from explorer.phase.lines import line_chart
+from explorer.phase.linear_constants import line_chart
 from explorer.phase.results import Table
 from explorer.phase.roots import changes_of_sign, roots_among
 from explorer.phase.states import Array
@@ -234,7 +235,7 @@ class LineIntegral:
         disk, b = self.of.disk, self.of.disk.body
         a, c = self._chart(phi)
         # On the line V = cos(phi) + curvature sigma3_bar^2, eq. (3.8).
-        curvature = 0.5 * (b.I1 * (a / np.cos(phi)) ** 2 + b.J * c * c)
+        curvature = energy_at(b, 0.0, a / np.cos(phi), c, 0.0)
         found = []
         for nodes, (bar, weight) in zip(NODES, self._bars(phi, a, c, curvature), strict=True):
             V = np.cos(phi)[:, None] + curvature[:, None] * bar * bar

@@ -23,14 +23,11 @@ from explorer.motion.orbits import KERNELS as OF_ENDS
 from explorer.motion.trajectories import finer
 from explorer.motion.turning_points import smallest_tilts
 from explorer.phase.disk import Disk
-from explorer.phase.lines import line_chart, motion_given, other_eta_hat
+from explorer.phase.linear_constants import line_chart, motion_given, other_eta_hat
 from explorer.phase.states import Array, States
 
 BLOCK = 1 << 14
-KERNELS = (  # for `compiled.warmup`
-    *("algebra.constants_batch", "falling.line_chart_batch"),
-    *OF_ENDS,
-)
+KERNELS = "algebra.constants_batch", "falling.line_chart_batch", *OF_ENDS  # for `compiled.warmup`
 # Tilts below this many delta are drawn plainly: above, the width of a tube settles in a few rounds. With a larger
 # delta than this they would be all there are.
 _NEAR_FLAT, LARGEST_DELTA = 10.0, 0.1
@@ -44,12 +41,8 @@ _OWN, _OWN_PAIR = 0.15, 0.03
 _RESOLVED = 1e-12
 
 
-@dataclass(frozen=True)
-class Weighted:
-    """Draws with their weights: the mean of weight times an indicator is a probability."""
-
-    weight: Array
-    theta_min: Array
+# Weights of draws and their theta_min: the mean of weight times an indicator is a probability.
+Weighted = tuple[Array, Array]
 
 
 @dataclass(frozen=True)
@@ -94,7 +87,7 @@ class NearFallingSet:
         rows = np.flatnonzero((drawn.weight > 0.0) & drawn.within)
         theta = np.full(count, np.inf)
         theta[rows] = smallest_tilts(drawn.states(self.source.disk, tube.face, rows), self.count, self.accuracy)[0]
-        return Weighted(drawn.weight, theta)
+        return drawn.weight, theta
 
     def _flat(self, delta: float) -> Iterator[tuple[float, float]]:
         """The ranges of the tilt that lie beside flat, where its density is not zero there."""
@@ -111,11 +104,11 @@ class NearFallingSet:
         columns[name] = end + inward * (1.0 - random.random(count))
         weight = self.source.tilt.density(columns[name]) * abs(inward)
         if end != 0.0 and abs(inward) < _NEAR_FLAT * _RESOLVED:
-            return Weighted(weight, np.full(count, np.nan))
+            return weight, np.full(count, np.nan)
         states = self.source.states(columns)
         theta, _ = smallest_tilts(states, self.count, self.accuracy)
         bad = states.status == compiled.status.Status.BAD_INPUT
-        return Weighted(np.where(bad, 0.0, weight), theta)
+        return np.where(bad, 0.0, weight), theta
 
 
 @dataclass(frozen=True)
@@ -298,9 +291,9 @@ def _blocks(draws: int) -> list[int]:
 def _sums(parts: list[Weighted], delta: float) -> Array:
     """Of a stratum: sum of weights of hits, of their squares, weights of what is not known, and draws."""
     rows = []
-    for part in parts:
-        hit = np.where(part.theta_min < delta, part.weight, 0.0)
-        rows.append([hit.sum(), (hit * hit).sum(), part.weight[np.isnan(part.theta_min)].sum(), hit.size])
+    for weight, theta_min in parts:
+        hit = np.where(theta_min < delta, weight, 0.0)
+        rows.append([hit.sum(), (hit * hit).sum(), weight[np.isnan(theta_min)].sum(), hit.size])
     summed: Array = np.sum(rows, axis=0)
     return summed
 

@@ -8,7 +8,7 @@ in the run, never on the number of workers.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Self
 
@@ -33,10 +33,19 @@ _ENDS = {
 }
 
 
+@dataclass(frozen=True)
 class Ranges:
     """A range for each coordinate of a chart, in rad and the units of the disk; a fixed one has equal ends."""
 
-    ranges: dict[str, Range]
+    ranges: dict[str, Range] = field(hash=False)  # a dict has no hash
+
+    @classmethod
+    def of(cls, what: str, given: Mapping[str, Range]) -> Self:
+        """From ranges by name. Raises InputError, which says `what`, where they say no state."""
+        chart, _ = chart_of(what, given, (0.0, 0.0))
+        found = cls({name: given[name] for name in chart.present(given)})
+        found.check(what)
+        return found
 
     def check(self, what: str) -> None:
         """Raise InputError where a range is empty or goes beyond what the coordinate may be."""
@@ -73,22 +82,12 @@ class Ranges:
         return {name: list(span) for name, span in self.ranges.items()}
 
 
-@dataclass(frozen=True)
 class Box(Ranges):
     """One in phi, phidot, sigma3 and sigma4, in which the measure is invariant."""
 
-    phi: Range
-    phidot: Range
-    sigma3: Range
-    sigma4: Range
-
-    def __post_init__(self) -> None:
+    def __init__(self, phi: Range, phidot: Range, sigma3: Range, sigma4: Range) -> None:
+        super().__init__(dict(zip(COORDINATES, (phi, phidot, sigma3, sigma4), strict=True)))
         self.check("box")
-
-    @property
-    def ranges(self) -> dict[str, Range]:  # type: ignore[override]
-        """The ranges by name."""
-        return {name: getattr(self, name) for name in COORDINATES}
 
     @classmethod
     def default(cls, disk: Disk) -> "Box":
@@ -97,26 +96,11 @@ class Box(Ranges):
         return cls((0.0, 0.0), (-two, two), (-two, two), (-two, two))
 
 
-@dataclass(frozen=True)
-class ChartBox(Ranges):
-    """One in any other chart: tilt, precession and spin for instance."""
-
-    ranges: dict[str, Range]
-
-    @classmethod
-    def of(cls, what: str, given: Mapping[str, Range]) -> Self:
-        """From ranges by name. Raises InputError, which says `what`, where they say no state."""
-        chart, _ = chart_of(what, given, (0.0, 0.0))
-        found = cls({name: given[name] for name in chart.present(given)})
-        found.check(what)
-        return found
-
-
-def box_of(disk: Disk, given: Mapping[str, Range]) -> Box | ChartBox:
+def box_of(disk: Disk, given: Mapping[str, Range]) -> Ranges:
     """The box of ranges in rad: of phi, phidot, sigma3 and sigma4, with defaults, or of another chart."""
     if set(given) <= set(COORDINATES):
-        return replace(Box.default(disk), **given)
-    return ChartBox.of("box", given)
+        return Box(**{**Box.default(disk).ranges, **given})
+    return Ranges.of("box", given)
 
 
 def in_radians(given: Mapping[str, Range], degrees: bool) -> dict[str, Range]:

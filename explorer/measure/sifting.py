@@ -7,14 +7,13 @@ import numpy as np
 from explorer import compiled
 from explorer.measure.sampling import Box, Ranges, Stream
 from explorer.measure.tallies import LOWEST_BIN, NO_ENDS, PER_DECADE, LogHistogram
-from explorer.phase.disk import Disk
+from explorer.phase.disk import LARGEST_RATE, Disk
 from explorer.phase.falling_set import obstacle
 from explorer.phase.states import COORDINATES, Array
 
 # All states by nearer face and sign of eta, in the order of the compiled pass.
 FACES = tuple(f"face_{face}_eta_{sign}" for face in ("minus", "plus") for sign in ("negative", "zero", "positive"))
 KERNELS = ("sifting.sift_batch",)  # of `sift`, for `compiled.warmup`
-_LARGEST = 1e100  # natural units of rates, whose squares the lanes must not overflow
 
 
 @dataclass(frozen=True)
@@ -32,11 +31,9 @@ class Sifted:
 
 
 def in_lanes(disk: Disk, box: Ranges) -> bool:
-    """Whether the pass takes this box: of phi, phidot, sigma3 and sigma4, and squares of its rates are numbers."""
-    if not isinstance(box, Box):
-        return False
-    rates = np.array([box.ranges[name] for name in COORDINATES[1:]]) / disk.rate_unit
-    return bool(np.max(abs(rates)) < _LARGEST)
+    """Whether the pass takes this box: of phi, phidot, sigma3 and sigma4, of which none is bad input."""
+    rates = (abs(end) for name, ends in box.ranges.items() if name != "phi" for end in ends)
+    return isinstance(box, Box) and max(rates) < LARGEST_RATE * disk.rate_unit
 
 
 def sift(disk: Disk, box: Ranges, random: Stream, sizes: tuple[int, int], near: float) -> Sifted:

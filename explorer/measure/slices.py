@@ -10,21 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, flag, shown, whole
-from explorer.measure.sampling import ChartBox, Range, in_radians, read_ranges
+from explorer.measure.sampling import Range, Ranges, in_radians, read_ranges
 from explorer.motion.plan import plan
 from explorer.motion.scan import Observable, Scan, scan
 from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.coordinates import ANGULAR
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import Falls, falls
-from explorer.phase.states import Array
+from explorer.phase.states import Array, States
 
 _MOST_POINTS = 4000  # a side; 16 million states, of which every array takes 128 MB
 SLICE_ACCURACY = 1e-3  # relative, of theta_min: a picture shows no more
 
 
-@dataclass(frozen=True)
-class Slice(ChartBox):
+class Slice(Ranges):
     """A plane in the phase space: two coordinates or constants of motion with a range, the others fixed."""
 
     @classmethod
@@ -181,13 +180,15 @@ def slice_map(
     how = plan(("theta_min",), SLICE_ACCURACY, method)
     x, y, columns = where.grid(points)
     states = replace(where.states(disk, columns), shape=(points, points))
-    if isinstance(observable, str) and observable == "theta_min":
-        # A root of V = E at a picture's accuracy: ten times as fast as a whole period.
-        values = {"theta_min": np.reshape(smallest_tilt(states, how)[0], states.shape)}
-    else:
-        found = scan(states, observable, jobs).values
-        # One column, as `bounces` returns it, is one entry for each state.
-        values = {name: each[..., 0] if each.shape[2:] == (1,) else each for name, each in found.items()}
+
+    def theta_min(some: States) -> Array:
+        """A root of V = E at a picture's accuracy: ten times as fast as a whole period."""
+        return smallest_tilt(some, how)[0]
+
+    by_name = isinstance(observable, str) and observable == "theta_min"
+    found = scan(states, theta_min if by_name else observable, jobs).values
+    # One column, as `bounces` returns it, is one entry for each state.
+    values = {name: each[..., 0] if each.shape[2:] == (1,) else each for name, each in found.items()}
     x, y = (
         np.degrees(ends) if degrees and name in ANGULAR else ends
         for name, ends in zip(where.axes, (x, y), strict=True)

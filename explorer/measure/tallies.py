@@ -23,7 +23,7 @@ from explorer.errors import plain_number
 from explorer.phase.states import Array
 
 K = TypeVar("K")
-KERNELS = ("counting.histogram_batch", "counting.sum_batch")  # of `histograms` and `sums`
+KERNELS = ("counting.histogram_batch",)  # of `histograms`
 QUANTILES = (0.0, 0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
 PER_DECADE = 400  # bins of logarithmic counts: a quantile is good to half a bin, 0.3 %
 LOWEST_BIN = -330 * PER_DECADE  # which no double reaches
@@ -308,10 +308,3 @@ def histograms(values: Array, groups: NDArray[np.int64], edges: Array, count: in
     counts = np.zeros((count, edges.size), np.int32)
     compiled.counting.histogram_batch(values, groups, edges, counts.reshape(-1))
     return counts
-
-
-def sums(values: Array, groups: NDArray[np.int64], count: int) -> Array:
-    """Sums of the finite ones of values by group, as `histograms`: (count, 3), parts that add up to each sum."""
-    parts = np.zeros((count, 3))
-    compiled.counting.sum_batch(values, groups, parts)
-    return parts

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
-from explorer.phase.lines import LineChart, line_chart
+from explorer.phase.linear_constants import line_chart
 from explorer.phase.states import Array
 
 # Half the width of a tube is sought by iteration. Each round overshoots by this much, so that it ends above the
@@ -24,7 +24,7 @@ from explorer.phase.states import Array
 _MARGIN, _ROUNDS = 1.02, 12
 # Ratio of two |eta_hat| that are equal up to rounding. The tubes of both faces meet a state beside both lines, and
 # each has drawn one of its two eta_hat and rounded the other. Where they are equal, as with phi = sigma3 = 0,
-# `phase.lines.nearer_plus` would by chance count such a state twice or not at all.
+# `phase.linear_constants.nearer_plus` would by chance count such a state twice or not at all.
 _TIE = 1.0 - 1e-12
 
 
@@ -77,7 +77,7 @@ class TiltAndRate(NamedTuple):
     q: Array
     z: Array
     phidot: Array
-    chart: LineChart
+    chart: "compiled.falling.LineChart[Array]"
 
     def energy(self, bar: Array, eta: Array) -> Array:
         s3, s4 = self.chart.rates(bar, eta)

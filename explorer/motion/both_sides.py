@@ -1,6 +1,5 @@
 """The motions on both sides of a point of F, beside the two limit motions that they approach."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +12,7 @@ from explorer.phase.constants import constants
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import Disk
 from explorer.phase.results import require_ok
-from explorer.phase.states import Array, States, constants_to_states, require_states
+from explorer.phase.states import Array, States, require_states
 
 FALLS = 3  # impacts that each motion passes
 TIMES = 240  # at which distances are taken: some 80 to a period
@@ -23,14 +22,9 @@ QUANTITIES = ("phi", "chi", "psi", "path", "contact")
 _RACE_POINTS = 120  # of the circle of a race
 
 
-def beside(disk: Disk, start: Mapping[str, float], eta_hat: ArrayLike) -> States:
-    """The states at the vertical with sigma3_bar, phidot and face of `start`; eta_hat = 0 is the point of F."""
-    return constants_to_states(disk, eta_hat=eta_hat, **start)
-
-
-def limits_at(disk: Disk, start: Mapping[str, float]) -> dict[int, LimitMotion]:
-    """Both limit motions from the point of F."""
-    return {sign: limit_motion(beside(disk, start, 0.0), sign) for sign in (1, -1)}
+def limits_from(point: States) -> dict[int, LimitMotion]:
+    """Both limit motions from a point of F, by the side."""
+    return {side: limit_motion(point, side) for side in (1, -1)}
 
 
 def sample_times(limit: LimitMotion) -> tuple[Array, int]:
@@ -143,7 +137,7 @@ def both_sides(state: States, eta_hat: float | None = None, t_end: float | None 
     """
     disk = require_states(state, "state").disk
     size = 0.01 * disk.rate_unit if eta_hat is None else positive("eta_hat", eta_hat)
-    limits = {side: limit_motion(state, side) for side in (1, -1)}
+    limits = limits_from(state)
     limit = limits[1]
     at_point: dict[str, ArrayLike] = {"phi": state.phi, "phidot": state.phidot, "face": limit.face}
     at_point["sigma3_bar"] = constants(state).sigma3_bar

@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, whole
 from explorer.motion.arcs import allowed
-from explorer.motion.falls import KERNELS, departures_of_moving, fall_integrals
+from explorer.motion.fall_integrals import KERNELS, departures_of_moving, fall_integrals
 from explorer.motion.orbits import KERNELS as OF_ENDS
-from explorer.motion.orbits import Ends, tilt_errors
+from explorer.motion.orbits import Ends, tilts_by_face
 from explorer.motion.periods import arcs_of, of_motions
 from explorer.motion.plan import Plan, plan
 from explorer.motion.starts import ArcStarts, face_of
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import impact_speed
-from explorer.phase.lines import line_chart
+from explorer.phase.linear_constants import line_chart
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
 
@@ -216,7 +216,8 @@ def _bounces(states: States, count: int, how: Plan) -> Bounces:
     first = np.where(rises, to_other - lead.time, lead.time)
     first_error = lead.time_error + np.where(rises, 2.0 * (here.time_error + back_error), 0.0)
     error = each(there_and_back(here), there_and_back(there)) + np.nan_to_num(2.0 * fall.error)[:, None]
-    error = np.fmax(error, each(*tilt_errors(motions, ends)))
+    tilts, tilt_errors = tilts_by_face(motions, ends)
+    error = np.fmax(error, each(*tilt_errors))
     error = np.maximum(error, (first_error / period)[:, None])
     chi, psi = each(2.0 * here.chi, 2.0 * there.chi), each(2.0 * own * here.psi, -2.0 * own * there.psi)
     duration = each(2.0 * here.time, 2.0 * there.time)
@@ -232,7 +233,7 @@ def _bounces(states: States, count: int, how: Plan) -> Bounces:
         time=time * disk.time_unit,
         face=each(own, -own).astype(np.int8),
         side=each(np.sign(motions.starts.Y), np.sign(motions.Y_far)).astype(np.int8),
-        theta_min=2.0 * np.arctan(each(ends.inner.r, ends.far.r)),
+        theta_min=each(*tilts),
         delta_chi=chi,
         delta_psi=psi,
         fall_angle=fall_angle,

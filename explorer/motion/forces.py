@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.motion.arcs import from_place, next_inward, places
+from explorer.motion.passage_starts import VerticalStarts, starts_at_vertical
 from explorer.motion.passages_by_quadrature import from_vertical
 from explorer.motion.threads import BLOCK, blocks
-from explorer.motion.vertical import VerticalStarts, starts_at_vertical
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
-from explorer.phase.lines import rows_of
+from explorer.phase.linear_constants import rows_of
 from explorer.phase.results import Result
 from explorer.phase.states import Array
 

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion import precision
+from explorer.motion.error_estimates import SHARE, turned
 from explorer.motion.plan import FIXED, Plan
 from explorer.motion.threads import attended
 from explorer.phase.disk import Disk
-from explorer.phase.lines import Motion, rows_of
+from explorer.phase.linear_constants import Motion, rows_of
 from explorer.phase.states import Array
 
 # Some thousand passages at the finest settings; only a start beside an equilibrium needs more.
@@ -125,7 +125,7 @@ def follow_accurately(
             better = follow(finer, event, values)
             # The difference is the error of the coarser run; of the finer one it is less, with a reserve of three.
             apart = distance_between(better.out, found.out[rows], in_time=event.t != 0.0)
-            known = apart + precision.SHARE * given.plan.accuracy
+            known = apart + SHARE * given.plan.accuracy
             error[rows] = np.where(stays, known, np.clip(estimate(better, rows), 3.0 * less * apart, known))
             found.steps[rows] += better.steps
             rows = rows[~stays]
@@ -143,7 +143,7 @@ def distance_between(one: Array, other: Array, in_time: bool) -> Array:
     """
     row, apart = compiled.field.ROW, np.moveaxis(abs(one - other), -1, 0)
     tilt, path = np.hypot(apart[row.q], apart[row.z]), np.hypot(apart[row.a1], apart[row.a2])
-    turned = precision.turned(np.moveaxis(one, -1, 0)) if in_time else 1.0
-    angles = np.maximum(apart[row.chi], apart[row.psi]) / turned
+    many = turned(np.moveaxis(one, -1, 0)) if in_time else 1.0
+    angles = np.maximum(apart[row.chi], apart[row.psi]) / many
     farthest: Array = np.max([tilt, angles, apart[row.t], path], axis=(0, 2))
     return farthest

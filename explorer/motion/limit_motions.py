@@ -21,8 +21,8 @@ from explorer.motion.starts import ArcStarts, arc_starts
 from explorer.phase import falling_set
 from explorer.phase.arguments import column
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.falling_set import falls_of
-from explorer.phase.lines import line_chart, motion_given
+from explorer.phase.falling_set import falls
+from explorer.phase.linear_constants import line_chart, motion_given
 from explorer.phase.results import Table
 from explorer.phase.states import Array, Rows, States, require_states
 
@@ -230,7 +230,7 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     side = sign("side", side)
     if len(states) != 1:
         raise InputError(f"state_on_f: takes one state, {len(states)} were given; choose one, as in states[0]")
-    where, motion = falls_of(states), states.motion
+    where, motion = falls(states[:]), states.motion
     if not bool(where.could_fall[0]):
         raise InputError(
             "state_on_f: the disk would not fall from this state whatever eta is; choose one with "

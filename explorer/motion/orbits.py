@@ -10,7 +10,7 @@ from explorer import compiled
 from explorer.motion.arcs import OF_ANGLES, allowed, arcs_between, from_place, integrals, next_inward, places
 from explorer.motion.starts import ArcStarts
 from explorer.phase.disk import Disk
-from explorer.phase.lines import rows_of
+from explorer.phase.linear_constants import rows_of
 from explorer.phase.states import Array
 
 # Of `ends_of`, and of what goes on from there: for `compiled.warmup`
@@ -74,23 +74,13 @@ def ends_of(disk: Disk, motions: ArcStarts) -> Ends:
     return Ends(state, inner, outer, vertical, turning.Place(*far), crosses)
 
 
-def tilt_errors(motions: ArcStarts, ends: Ends) -> tuple[Array, Array]:
-    """The relative errors of the tilts where motions turn, on the face of their state and on the other one.
+def tilts_by_face(motions: ArcStarts, ends: Ends) -> tuple[Array, Array]:
+    """The smallest tilts (rad) of motions on the face of their state and on the other one, with relative errors.
 
-    Near F a tilt is in proportion to eta, and known as well as that.
+    Both (2, n). Near F a tilt is in proportion to eta, and known as well as that.
     """
-    return ends.inner.error + motions.unsure, ends.far.error + motions.unsure_far
-
-
-def smallest(motions: ArcStarts, ends: Ends) -> tuple[Array, Array]:
-    """The tilt at the flattest moment (rad), and its relative error."""
-    return tilts_on(ends.far.r < ends.inner.r, motions, ends)
-
-
-def tilts_on(other: NDArray[np.bool_], motions: ArcStarts, ends: Ends) -> tuple[Array, Array]:
-    """Smallest tilts (rad), on the other face where `other`, else on that of the state; relative errors."""
-    on_this, on_other = tilt_errors(motions, ends)
-    return 2.0 * np.arctan(np.where(other, ends.far.r, ends.inner.r)), np.where(other, on_other, on_this)
+    errors = ends.inner.error + motions.unsure, ends.far.error + motions.unsure_far
+    return 2.0 * np.arctan([ends.inner.r, ends.far.r]), np.stack(errors)
 
 
 def closest_to_crest(disk: Disk, motions: ArcStarts) -> Array:

@@ -10,8 +10,9 @@ from explorer.motion.orbits import Ends, Orbits
 from explorer.motion.passages_by_integration import followed_to_flattest
 from explorer.motion.plan import Plan
 from explorer.motion.turning_points import turning_points_around
-from explorer.phase.lines import rows_of
-from explorer.phase.states import Array, States, constants_to_states
+from explorer.phase.coordinates import constants_to_states
+from explorer.phase.linear_constants import rows_of
+from explorer.phase.states import Array, States
 
 _OF_ARC = 0.25  # of the accuracy: a motion is followed from its state to both of its turning points, and on
 

@@ -12,16 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, positive
 from explorer.motion.arcs import OF_ANGLES
-from explorer.motion.falls import departures_of_moving, fall_integrals, rows_apart
+from explorer.motion.error_estimates import accepted
+from explorer.motion.fall_integrals import departures_of_moving, fall_integrals
+from explorer.motion.passage_starts import VerticalStarts, starts_at_vertical
 from explorer.motion.passages_by_integration import by_integration
 from explorer.motion.passages_by_quadrature import by_quadrature
 from explorer.motion.plan import Plan, plan
-from explorer.motion.precision import asked
 from explorer.motion.threads import blocks, in_parts
-from explorer.motion.vertical import VerticalStarts, starts_at_vertical
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
-from explorer.phase.lines import rows_of
+from explorer.phase.linear_constants import rows_of
 from explorer.phase.results import Result, joined
 from explorer.phase.states import Array
 
@@ -200,8 +200,8 @@ def reference_passages(disk: Disk, starts: VerticalStarts) -> Passages:
 
 def passage_kernels(how: Plan) -> tuple[str, ...]:
     """The kernels of `passages` by a plan, for `compiled.warmup`; a few starts need another one."""
-    quadrature = how.method == "quadrature"
-    by = ("passages.passage_batch",) if quadrature else ("algebra.constants_batch", how.kernel)
+    steps = "algebra.constants_batch", "falling.line_chart_batch", how.kernel
+    by = ("passages.passage_batch",) if how.method == "quadrature" else steps
     return *by, "passages.fall_batch", "races.race_batch"
 
 
@@ -221,10 +221,10 @@ def _assemble(
     """Results in the units of the disk, with the fall taken out of chi. parts: samples of the starts, in order."""
     races, n, first = compiled.races, starts.status.size, 0
     by_integrals = how.method == "quadrature"
-    bounds = (how.accuracy, 0.0, OF_ANGLES) if by_integrals else (asked(how, 0.0), _FLOOR, 0.0)
+    bounds = (how.accuracy, 0.0, OF_ANGLES) if by_integrals else (accepted(how, 0.0), _FLOOR, 0.0)
     terms = races.Terms(*bounds)
     units = races.Units(disk.time_unit, disk.energy_unit, disk.rate_unit, disk.race_limit)
-    out, status = rows_apart(12, n), np.empty(n, np.int8)
+    out, status = np.empty((12, n)), np.empty(n, np.int8)
     for samples in parts:
         kinetic = 0.5 * disk.body.M * samples.speed**2
         departures = departures_of_moving(disk, samples.sigma3_bar, samples.eta, kinetic, kinetic)
@@ -233,7 +233,7 @@ def _assemble(
         races.race_batch(samples, falls, terms, units, disk.natural, first, out)
         status[first : first + samples.status.size] = samples.status
         first += samples.status.size
-    found = races.RaceRow(*out[:, :n])._asdict()
+    found = races.RaceRow(*out)._asdict()
     return Passages(
         disk=disk,
         sigma3_bar=starts.sigma3_bar,

@@ -4,12 +4,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion import precision
+from explorer.motion.error_estimates import accepted
+from explorer.motion.passage_starts import VerticalStarts
 from explorer.motion.plan import Plan
 from explorer.motion.turning_points import TurningPoints, turning_points
-from explorer.motion.vertical import VerticalStarts
+from explorer.phase.coordinates import constants_to_states
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array, States, constants_to_states
+from explorer.phase.states import Array, States
 
 # What rounding moves p by while a slow start leaves the vertical, for each unit of the rates there: some units of
 # the last digit. It covers the errors of starts with any eta_hat up to 1e4, down to speeds of 1e-11, within 2.
@@ -29,7 +30,7 @@ def by_integration(
     status = np.where(starts.eta_hat == 0.0, code.FALLS, turn.status)
     status = np.where(starts.status == code.OK, status, starts.status).astype(np.int8)
     ok = status == code.OK
-    status[ok & ~(error <= precision.asked(how, 0.0))] = code.STEP_LIMIT
+    status[ok & ~(error <= accepted(how, 0.0))] = code.STEP_LIMIT
     # A passage ends at the flat state it was sent to; one that turns elsewhere was never near it.
     status[ok & (turn.face != face)] = code.BAD_INPUT
     bar, eta, speed = starts.natural(disk)

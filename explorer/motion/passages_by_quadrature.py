@@ -4,15 +4,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.arcs import from_place, next_inward, places
-from explorer.motion.falls import OF_FALL, by_tables, rows_apart
+from explorer.motion.arcs import depth, from_place, next_inward, places
+from explorer.motion.fall_integrals import OF_FALL, by_tables
 from explorer.motion.orbits import ends_of, orbits_of
+from explorer.motion.passage_starts import VerticalStarts
 from explorer.motion.plan import Plan
 from explorer.motion.starts import ArcStarts
-from explorer.motion.vertical import VerticalStarts, depth
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
-from explorer.phase.lines import line_slope, rows_of
+from explorer.phase.linear_constants import line_slope, rows_of
 from explorer.phase.states import Array
 
 _AS_FROM_REST = 1e-140  # of speeds: less changes no digit, and its square may have none
@@ -27,9 +27,8 @@ def by_quadrature(
     """
     crossings = starts.natural(disk)
     n, code = starts.status.size, compiled.status.Status
-    out, most = rows_apart(8, n), (1.0 - OF_FALL) * how.accuracy
-    out.fill(np.nan)
-    found, status = compiled.passages.PassageRow(*out[:, :n]), starts.status.copy()
+    out, most = np.full((8, n), np.nan), (1.0 - OF_FALL) * how.accuracy
+    found, status = compiled.passages.PassageRow(*out), starts.status.copy()
     status[(status == code.OK) & (crossings.eta == 0.0)] = code.FALLS
 
     def left() -> NDArray[np.intp]:

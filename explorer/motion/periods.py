@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import jobs_of
 from explorer.motion.arcs import allowed
-from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of, smallest
+from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of, tilts_by_face
 from explorer.motion.orbits_by_integration import integrated_orbits
 from explorer.motion.plan import Plan, plan
 from explorer.motion.starts import ArcStarts, arc_starts, face_of, status_of_period
@@ -143,14 +143,15 @@ def _periods(states: States, how: Plan) -> Periods:
     time = 2.0 * (here.time + back.time)
     chi, psi = 2.0 * (here.chi + back.chi), 2.0 * own * (here.psi - back.psi)
     error = np.fmax(2.0 * (here.angle_error + back.angle_error), 2.0 * (here.time_error + back.time_error) / time)
-    theta_min, of_tilt = smallest(motions, ends)
-    error = np.fmax(error, of_tilt)
+    tilts, tilt_errors = tilts_by_face(motions, ends)
+    flatter = tilts[1] < tilts[0]  # on the other face
+    error = np.fmax(error, np.where(flatter, tilt_errors[1], tilt_errors[0]))
     good = np.isfinite(time) & (error <= allowed(how.accuracy, chi, psi))
     return Periods(
         period=time * disk.time_unit,
         chi=chi,
         psi=psi,
-        theta_min=theta_min,
+        theta_min=np.where(flatter, tilts[1], tilts[0]),
         crosses=ends.crosses,
         energy=states.motion.energy * disk.energy_unit,
         error_estimate=error,

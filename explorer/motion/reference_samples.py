@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.motion.compare import apart
+from explorer.motion.passage_starts import VerticalStarts
 from explorer.motion.passages import OBSERVABLES as OF_PASSAGES
 from explorer.motion.passages import Passages, passages_by, reference_passages
 from explorer.motion.plan import INTEGRATORS, Plan, plan
 from explorer.motion.trajectories import Trajectories, trajectories_by
-from explorer.motion.vertical import VerticalStarts
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 
@@ -57,13 +57,8 @@ class ReferencePassages:
 
     @cached_property
     def exact(self) -> Passages:
-        """The passages as arcs, without tables."""
+        """The true answers, where they are ok: the passages as arcs, without tables."""
         return reference_passages(self.disk, self.starts)
-
-    @property
-    def known(self) -> NDArray[np.bool_]:
-        """Samples whose true answer is known."""
-        return self.exact.ok
 
     def call(self, how: Plan) -> tuple[Passages, NDArray[np.int32] | None]:
         """What users or scenes call, by a plan; this is what is timed."""
@@ -92,13 +87,8 @@ class ReferenceMotions:
 
     @cached_property
     def exact(self) -> Trajectories:
-        """The motions by far finer steps."""
+        """The true answers, where they are ok: the motions by far finer steps."""
         return self.call(replace(plan(IN_TIME, method="rk8"), setting=_FINEST))
-
-    @property
-    def known(self) -> NDArray[np.bool_]:
-        """Samples whose true answer is known."""
-        return self.exact.ok
 
     def call(self, how: Plan) -> Trajectories:
         """What users or scenes call, by a plan; this is what is timed."""

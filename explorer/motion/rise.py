@@ -19,7 +19,7 @@ from explorer.motion.arcs import from_place, places
 from explorer.motion.orbits import beyond, ends_of
 from explorer.motion.starts import ArcStarts
 from explorer.phase.disk import Disk
-from explorer.phase.lines import rows_of
+from explorer.phase.linear_constants import rows_of
 from explorer.phase.states import Array
 
 Place: TypeAlias = "compiled.turning_points.Place[Array]"

@@ -16,6 +16,7 @@ from explorer.errors import InputError, number
 from explorer.motion.periods import periods
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.results import Table
 from explorer.phase.states import Array, theta_to_states
 
 ETA_HAT = 1e-12
@@ -23,12 +24,10 @@ ETA_HAT = 1e-12
 EXCESS = np.concatenate([1.0 + np.geomspace(1e-3, 1.0, 40), np.geomspace(2.0, 1e4, 81)[1:]])
 _LARGEST_TILT = 0.1  # rad; beyond, gravity is not m g r theta
 _ACCURACY = 1e-6  # of the turn (rad); terms of order theta_0, about 1e-8 by default, are left out anyway
-# Share of the way from the bottom to the outer turning point: a start at either end is an equilibrium.
-_BETWEEN = 0.5
 
 
-@dataclass(frozen=True)
-class Rocking:
+@dataclass(frozen=True, repr=False, eq=False)
+class Rocking(Table):
     """Motions that rock near flat, one entry per energy; arrays (n).
 
     Attributes
@@ -115,12 +114,10 @@ def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HA
             f"of {_LARGEST_TILT} rad; give for instance {ETA_HAT:g}"
         )
     # u = theta/theta_0; V - V_0 = m g r theta_0 (1/(2 u^2) + u) up to a share of theta_0
-    outer = np.array([max(np.roots([1.0, -1.5 * top, 0.0, 0.5]).real) for top in ratio])
-    u = 1.0 + _BETWEEN * (outer - 1.0)
-    speed = np.sqrt(2.0 / b.M * theta_0 * (1.5 * ratio - u - 0.5 / u**2))
-    states = theta_to_states(disk, theta_0 * u, speed * unit, eta / b.I1 * unit, 0.0)
+    speed = np.sqrt(3.0 / b.M * theta_0 * (ratio - 1.0))  # at the bottom, where u = 1
+    states = theta_to_states(disk, theta_0, speed * unit, eta / b.I1 * unit, 0.0)
     # The eta of these states is meant: its rounding shifts the turn by no more than terms of order theta_0.
-    motion = states.motion._replace(rounding_plus=0.0 * u, rounding_minus=0.0 * u)
+    motion = states.motion._replace(rounding_plus=0.0 * ratio, rounding_minus=0.0 * ratio)
     bounces = periods(replace(states, given=motion), _ACCURACY)
     above = bounces.energy / disk.energy_unit - disk.energy_at_flat(motion.sigma3_bar)
     return Rocking(disk, above / (1.5 * theta_0), bounces.chi, bounces.theta_min, bounces.period, theta_0)

@@ -14,8 +14,8 @@ from explorer.motion.bounces import bounces
 from explorer.motion.periods import periods
 from explorer.motion.threads import in_parts
 from explorer.phase.arguments import returned_numbers
-from explorer.phase.constants import constants_of
-from explorer.phase.falling_set import falls_of
+from explorer.phase.constants import constants
+from explorer.phase.falling_set import falls
 from explorer.phase.results import Table
 from explorer.phase.states import COORDINATES, States, require_states
 
@@ -27,8 +27,8 @@ Observable = str | Sequence[str] | Callable[[States], ArrayLike | Mapping[str, A
 
 # The observables that have names, by the call that computes them.
 _SOURCES: dict[str, tuple[Callable[[States], Any], tuple[str, ...]]] = {
-    "constants": (constants_of, ("sigma3_bar", "sigma4_bar", "eta_hat_plus", "eta_hat_minus", "energy")),
-    "falls": (falls_of, ("face", "distance", "could_fall", "on_f")),
+    "constants": (constants, ("sigma3_bar", "sigma4_bar", "eta_hat_plus", "eta_hat_minus", "energy")),
+    "falls": (falls, ("face", "distance", "could_fall", "on_f")),
     "periods": (periods, ("theta_min", "period", "chi", "psi", "crosses")),
     "bounces": (bounces, ("race_angle", "delta_chi", "fall_angle", "side", "time")),
 }

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.phase.disk import Disk
-from explorer.phase.falling_set import falls_of
-from explorer.phase.lines import Motion
+from explorer.phase.falling_set import falls
+from explorer.phase.linear_constants import Motion
 from explorer.phase.states import Array, Rows, States
 
 # An error in eta above this share of |eta| makes the direction of the race doubtful. Ten times stricter than the
@@ -27,9 +27,9 @@ def status_at_start(states: States, sided: bool = True) -> NDArray[np.int8]:
     unresolved = motion.rounding(near) >= _RESOLVED * abs(motion.eta(near))
     if not (states.disk.body.I3 > 0.0 and unresolved.any()):
         return states.status.copy()
-    falls = falls_of(states)
-    unknown = sided & unresolved & falls.could_fall & ~falls.on_f & (falls.status == code.OK)
-    return np.where(unknown, code.UNRESOLVED_SIDE, falls.status).astype(np.int8)
+    found = falls(states[:])
+    unknown = sided & unresolved & found.could_fall & ~found.on_f & (found.status == code.OK)
+    return np.where(unknown, code.UNRESOLVED_SIDE, found.status).astype(np.int8)
 
 
 def status_of_period(states: States) -> NDArray[np.int8]:

@@ -22,7 +22,7 @@ from explorer.errors import (
     whole,
     words,
 )
-from explorer.motion import recording
+from explorer.motion import dense_output
 from explorer.motion.integration import MAX_STEPS, InitialValues
 from explorer.motion.plan import Plan, plan
 from explorer.phase.arguments import read_columns
@@ -111,7 +111,7 @@ class Trajectories(WithStatus):
     t_end: float
     states: States
     _start: InitialValues
-    _records: recording.Records | None
+    _records: dense_output.Records | None
     _jobs: int
 
     @property
@@ -182,9 +182,9 @@ class Trajectories(WithStatus):
         disk, shape = self.states.disk, np.shape(t)
         order, places = np.unique(times, return_inverse=True)  # the kernels take increasing times
         if self._records is None:
-            found = recording.sample(self._start, order * disk.rate_unit, self._jobs)[0]
+            found = dense_output.sample(self._start, order * disk.rate_unit, self._jobs)[0]
         else:
-            found = recording.between(self._start, self._records, order)
+            found = dense_output.between(self._start, self._records, order)
         at = np.moveaxis(found[:, places].reshape(len(self), *shape, 10), -1, 0)
         lengths = np.where(self.lengths > 0, times.size, 0)
         return replace(self, t=times.reshape(shape), **_observables(disk, at, self.observables), lengths=lengths)
@@ -277,7 +277,7 @@ def simulate(
         raise InputError(f"observables: the list is empty; give some of {', '.join((*_OTHERS, *ALL))}")
     how = plan(names, accuracy, method)
     chi0 = number("chi0", chi0, -_MOST_TURNED, _MOST_TURNED)
-    start = recording.motions(states, how, chi0, whole("max_steps", max_steps, 1, _MOST_STEPS))
+    start = dense_output.motions(states, how, chi0, whole("max_steps", max_steps, 1, _MOST_STEPS))
     return _followed(states, start, (end, times), tuple(names), jobs_of("jobs", jobs), warns=True)
 
 
@@ -285,7 +285,7 @@ def trajectories_by(
     states: States, how: Plan, times: Array, observables: Sequence[str] = ALL, chi0: float = 0.0
 ) -> Trajectories:
     """As `simulate` at given times, by a plan that was made, which may name its setting, and without a warning."""
-    start = recording.motions(states, how, chi0, MAX_STEPS)
+    start = dense_output.motions(states, how, chi0, MAX_STEPS)
     return _followed(states, start, (float(times[-1]), times), tuple(observables))
 
 
@@ -306,13 +306,13 @@ def _followed(
     """The motions from their starts. until: the end, and the times where these are given."""
     disk, (end, times), rows, records = states.disk, until, compiled.field.ROW, None
     if times is None:
-        records, outcome = recording.record(start, end * disk.rate_unit, jobs)
+        records, outcome = dense_output.record(start, end * disk.rate_unit, jobs)
         found, lengths = records.points[:10], records.lengths
         values = _observables(disk, found, names)
         values = {name: None if value is None else records.padded(value) for name, value in values.items()}
         times = records.padded(found[rows.t] * disk.time_unit)
     else:
-        sampled, outcome = recording.sample(start, times * disk.rate_unit, jobs)
+        sampled, outcome = dense_output.sample(start, times * disk.rate_unit, jobs)
         found = np.moveaxis(sampled, -1, 0)
         values = _observables(disk, found, names)
         lengths = np.where(outcome.status == compiled.status.Status.OK, times.size, 0)

@@ -7,11 +7,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion import integration, precision
-from explorer.motion.orbits import KERNELS, ends_of, smallest, tilts_on
+from explorer.motion import integration
+from explorer.motion.error_estimates import (
+    FEW,
+    LINGERS,
+    PASSAGE,
+    accepted,
+    amplification,
+    error_of,
+    less_where_amplified,
+    speed_at_vertical,
+)
+from explorer.motion.orbits import KERNELS, ends_of, tilts_by_face
 from explorer.motion.plan import Plan
 from explorer.motion.starts import arc_starts, face_of, status_at_start
-from explorer.phase.lines import rows_of
+from explorer.phase.linear_constants import rows_of
 from explorer.phase.states import Array, States
 
 
@@ -52,18 +62,18 @@ def turning_points(states: States, how: Plan, tilts_only: bool = False) -> Turni
     )
     amplified = np.ones(len(states))
     if not tilts_only:
-        amplified = precision.amplification(precision.speed_at_vertical(states.disk, states.motion))
-        given = given.finer(precision.less_where_amplified(how, amplified))
+        amplified = amplification(speed_at_vertical(states.disk, states.motion))
+        given = given.finer(less_where_amplified(how, amplified))
 
     def estimate(found: integration.Followed, rows: Any) -> Array:
         ended = found.out[:, 0].T
-        error = precision.estimate(states.disk, how, found.moved, ended, amplified[rows], precision.PASSAGE)
-        hidden = ended[compiled.field.ROW.t] > precision.LINGERS
+        error = error_of(states.disk, how, found.moved, ended, amplified[rows], PASSAGE)
+        hidden = ended[compiled.field.ROW.t] > LINGERS
         if how.adaptive:
-            hidden |= found.steps <= precision.FEW
+            hidden |= found.steps <= FEW
         return np.where(hidden, np.inf, error)
 
-    event, asked = compiled.events.TURNING_POINT, precision.asked(how, 0.0)
+    event, asked = compiled.events.TURNING_POINT, accepted(how, 0.0)
     found, error, _ = integration.follow_accurately(given, event, np.zeros(1), estimate, asked)
     error[found.status != compiled.status.Status.OK] = np.nan
     row, out = compiled.field.ROW, found.out[:, 0].T
@@ -120,7 +130,9 @@ def smallest_tilts(states: States, count: int, accuracy: float) -> tuple[Array, 
     # The first approach may be on the other face than the one that is nearer to F. A pendulum falls on both.
     pendulum = falls & (states.motion.eta_plus == states.motion.eta_minus)
     elsewhere = (own[rows] * states.rows.p[rows] > 0.0) & ends.crosses & ~pendulum[rows] & (count == 1)
-    tilt, error = smallest(motions, ends) if count > 1 else tilts_on(elsewhere, motions, ends)
+    both, errors = tilts_by_face(motions, ends)
+    other = elsewhere if count == 1 else both[1] < both[0]
+    tilt, error = (np.where(other, each[1], each[0]) for each in (both, errors))
     falling = falls[rows] & ~elsewhere
     known = falling | (error <= accuracy)
     tilt = np.where(falling, 0.0, tilt)

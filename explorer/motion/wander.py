@@ -5,7 +5,7 @@ rotation about a fixed centre unless chi(tau) is a multiple of 2 pi (Borisov, Ma
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,10 @@ from explorer.errors import InputError, number, whole
 from explorer.motion.periods import periods
 from explorer.motion.trajectories import simulate
 from explorer.phase.arguments import read_pair
+from explorer.phase.coordinates import constants_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.results import WithStatus, require_ok
-from explorer.phase.states import Array, States, constants_to_states, require_states
+from explorer.phase.results import Result, require_ok
+from explorer.phase.states import Array, States, require_states
 
 # Errors of chi per period add up over the periods of a path: 1e-9 leaves 1e-5 rad after the most of them.
 _ACCURACY = 1e-9
@@ -26,9 +27,9 @@ _MOST_STEPS = 10_000_000  # of all motions together: a complex number each
 _MOST_TURNS = 1_000_000  # of chi in a period, far beyond any body's race
 
 
-@dataclass(frozen=True)
-class Wander(WithStatus):
-    """The shift of the disk in one period, one entry per motion; arrays (n), units of the disk.
+@dataclass(frozen=True, repr=False, eq=False)
+class Wander(Result):
+    """The shift of the disk in one period, arrays of the states' shape, units of the disk: what `wander` returns.
 
     Attributes
     ----------
@@ -36,14 +37,16 @@ class Wander(WithStatus):
         Time.
     chi : array
         Turn per period (rad).
-    step : array of complex
-        Shift of the centre over the table, a(tau) - a(0), as the complex number a1 + i a2, for chi(0) = 0.
+    shift : (..., 3) array
+        Shift of the centre, a(tau) - a(0), for chi(0) = 0; along the table, so that its last entry is 0.
     radius : array
         Radius of the circle on which the centre lies after each period, |step|/(2 |sin(chi/2)|); infinite at a
         resonance.
     status : array of int8
         `Status` of each motion: that of its period or, if that is OK, that of its integration. Where it is not OK,
         the other columns are NaN.
+    states : States
+        The states; `to_pandas` and `to_arrow` have their phi, phidot, sigma3 and sigma4 as columns.
 
     Examples
     --------
@@ -56,17 +59,22 @@ class Wander(WithStatus):
 
     period: Array
     chi: Array
-    step: NDArray[np.complex128]
+    shift: Array
     radius: Array
     status: NDArray[np.int8]
+    states: States
+
+    @property
+    def step(self) -> NDArray[np.complex128]:
+        """The shift as the complex number a1 + i a2."""
+        return np.asarray(self.shift[..., 0] + 1j * self.shift[..., 1])
 
     def after(self, count: int) -> NDArray[np.complex128]:
-        """a(k tau) - a(0), k = 0 ... count; shape (n, count + 1). Each step is the one before, turned by chi."""
-        count = whole("count", count, 0, _MOST_STEPS // max(1, self.chi.size))
-        turned = np.exp(1j * self.chi[:, None] * np.arange(count))
-        turns = np.concatenate([np.zeros((self.chi.size, 1)), np.cumsum(turned, axis=1)], axis=1)
-        centres: NDArray[np.complex128] = self.step[:, None] * turns
-        return centres
+        """a(k tau) - a(0), k = 0 ... count, along a last axis. Each step is the one before, turned by chi."""
+        count = whole("count", count, 0, _MOST_STEPS // max(1, self.size))
+        turned = np.exp(1j * self.chi[..., None] * np.arange(count))
+        turns = np.concatenate([np.zeros((*self.shape, 1)), np.cumsum(turned, axis=-1)], axis=-1)
+        return np.asarray(self.step[..., None] * turns)
 
 
 def wander(states: States) -> Wander:
@@ -99,19 +107,17 @@ def wander(states: States) -> Wander:
     (True, array([0, 0], dtype=int8))
     """
     require_axial_inertia(require_states(states).disk)
-    states = replace(states, shape=(len(states),))
-    each = periods(states, _ACCURACY)
-    step, status = np.full(len(states), np.nan, np.complex128), each.status.copy()
-    for row in np.flatnonzero(each.ok):
-        start, end = states.at(np.array([row])), float(each.period[row])
-        moved = simulate(start, t_eval=[end], observables=("path",), accuracy=_ACCURACY)
+    each = periods(states[:], _ACCURACY)
+    shift, status = np.full((len(states), 3), np.nan), each.status.copy()
+    for row in np.flatnonzero(each.ok).tolist():
+        moved = simulate(states[row], t_eval=each.period[[row]], observables=("path",), accuracy=_ACCURACY)
         assert moved.path is not None
-        step[row], status[row] = complex(*moved.path[0, 0, :2]), moved.status[0]
+        shift[row], status[row] = (*moved.path[0, 0, :2], 0.0), moved.status[0]
     followed = status == compiled.status.Status.OK
     period, chi = (np.where(followed, values, np.nan) for values in (each.period, each.chi))
     with np.errstate(divide="ignore"):
-        radius = abs(step) / (2.0 * abs(np.sin(0.5 * chi)))
-    return Wander(period, chi, step, radius, status)
+        radius = np.hypot(*shift.T[:2]) / (2.0 * abs(np.sin(0.5 * chi)))
+    return Wander(period, chi, shift, radius, status, states).reshaped(states.shape)
 
 
 def resonance(

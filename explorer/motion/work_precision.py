@@ -87,7 +87,7 @@ class Measured:
 
 def measure(samples: ReferenceSamples, say: Callable[[str], None] = lambda text: None) -> Measured:
     """Every method at every accuracy on samples."""
-    count, known = samples.known.size, int(samples.known.sum())
+    count, known = samples.exact.ok.size, int(samples.exact.ok.sum())
     rows = list[tuple[Row, Callable[[], Any]]]()
     for method in samples.methods:
         say(f"measuring {count:,} {samples.kind} by {method}")
@@ -113,7 +113,7 @@ def _least_times(calls: list[Callable[[], Any]]) -> list[float]:
 
 def _row(samples: ReferenceSamples, how: Plan) -> tuple[Row, Callable[[], Any]]:
     """A plan: its errors, what becomes of the samples, and the call that is timed."""
-    call, known, code = partial(samples.call, how), samples.known, compiled.status.Status
+    call, known, code = partial(samples.call, how), samples.exact.ok, compiled.status.Status
     tried = samples.compare(call())
     errors = tried.errors[known & np.isfinite(tried.errors)]
     median, p99, largest = np.percentile(errors, (50, 99, 100)).tolist() if errors.size else 3 * [np.nan]

@@ -10,8 +10,9 @@ from explorer.motion.plan import plan
 from explorer.motion.trajectories import trajectories_by
 from explorer.paper import eight_dimensions as plain
 from explorer.paper.statement import Finding
+from explorer.phase.coordinates import constants_to_states
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array, States, constants_to_states, phi_to_states
+from explorer.phase.states import Array, States, phi_to_states
 
 UNIFORM, HOOP, MATCHING = Disk.uniform(), Disk.hoop(), Disk.matching()
 THICK = Disk(I1=0.5, I3=0.3, name="thick")  # I3 < 2 I1: not planar

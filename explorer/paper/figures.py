@@ -20,8 +20,9 @@ from explorer.errors import InputError, positive
 from explorer.motion.both_sides import BothSides, both_sides
 from explorer.motion.limit_motions import limit_motion
 from explorer.paper.statement import ETA_HAT
+from explorer.phase.coordinates import constants_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.states import Array, States, constants_to_states
+from explorer.phase.states import Array, States
 from explorer.pictures.one_sided import angle_of_contact, flattest, path_on_table
 from explorer.pictures.register import Caption, Question, add_caption
 from explorer.pictures.style import DARK, SIGN_COLOURS, SIZE, TEXT, arrow, dress, legend_of_all, number, times_of

@@ -21,8 +21,8 @@ from explorer.paper import (
 )
 from explorer.paper.figures import FIGURES, INFERRED, figure
 from explorer.paper.statement import ETA_HAT, FACTOR, Finding, Statement, chosen, shown
+from explorer.paths import made_folder, path_of
 from explorer.phase.disk import Disk
-from explorer.phase.paths import made_folder, path_of
 from explorer.pictures.register import save
 
 # The statements of these are registered as they are imported.

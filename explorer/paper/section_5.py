@@ -20,7 +20,7 @@ from explorer.paper.four_dimensions import solved
 from explorer.paper.statement import Finding, statement
 from explorer.phase.constants import constants
 from explorer.phase.disk import Disk
-from explorer.phase.lines import line_chart
+from explorer.phase.linear_constants import line_chart
 from explorer.phase.states import Array, phi_to_states
 
 OF_PAPER = {"uniform": Fraction(4, 3), "hoop": Fraction(1), "mr²/I₁ = 3": Fraction(6, 5)}

@@ -23,9 +23,9 @@ from explorer.paper.closed_forms import (
 )
 from explorer.paper.four_dimensions import potential, rates_down, reduced, shot_slope
 from explorer.paper.statement import Finding, statement
-from explorer.phase.constants import constants_of
+from explorer.phase.constants import constants
 from explorer.phase.disk import Disk
-from explorer.phase.lines import line_chart, line_slope
+from explorer.phase.linear_constants import line_chart, line_slope
 from explorer.phase.states import Array, phi_to_states
 
 
@@ -96,7 +96,7 @@ def no_fall_off_lines() -> Iterator[Finding]:
         rows = random.uniform(low, high, (4000, 4))
         states = phi_to_states(disk, *rows.T)
         theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-8, "quadrature"))
-        given = constants_of(states)
+        given = constants(states)
         stuck = int((status != 0).sum() + (~(theta > 0.0)).sum())
         yield near(f"{disk.name}: of 4000 plain draws, falls or zero tilts", stuck, 0, 0.0, "a count")
         eta = np.fmin(abs(given.eta_hat_plus), abs(given.eta_hat_minus))

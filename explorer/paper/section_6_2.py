@@ -16,8 +16,8 @@ from explorer.paper.checks import BODIES, HOOP, THICK, UNIFORM, at_most, near, o
 from explorer.paper.four_dimensions import potential, rates_down, reduced, shot_slope
 from explorer.paper.statement import Finding, statement
 from explorer.phase.disk import Disk
-from explorer.phase.falling_set import falls, falls_of, well
-from explorer.phase.lines import line_chart
+from explorer.phase.falling_set import falls, well
+from explorer.phase.linear_constants import line_chart
 from explorer.phase.states import phi_to_states
 
 _BESIDE = 1e-7  # eta_hat: far above rounding, far below what decides who falls
@@ -53,7 +53,7 @@ def _beside_the_well(disk: Disk, random: np.random.Generator) -> Iterator[Findin
     phidot = random.choice([-1.0, 1.0], n) * random.uniform(0.01, 0.5, n)
     sigma3, sigma4 = line_chart(disk, np.cos(phi), -np.sin(phi)).rates(bar, _BESIDE)
     states = phi_to_states(disk, phi, phidot, sigma3, -sigma4)
-    said = falls_of(states).could_fall_minus
+    said = falls(states).could_fall_minus
     tilt, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-6, "dopri5"))
     known = status == 0
     came = tilt[known] < 1e-3
@@ -112,6 +112,6 @@ def codimension_one() -> Iterator[Finding]:
         yield near(f"{disk.name}: slope of ln P in ln δ, δ = 1e-3 to 1e-7", slope.value, 1.0, 4 * slope.error, why)
         yield near(f"{disk.name}: C by draws near F", constant.value, C.value, 4 * constant.error, why)
         lot = Box.default(disk).draw(random, 100_000)
-        hits = int((falls_of(phi_to_states(disk, **lot)).status == compiled.status.Status.FALLS).sum())
+        hits = int((falls(phi_to_states(disk, **lot)).status == compiled.status.Status.FALLS).sum())
         yield near(f"{disk.name}: exact falls in 10⁵ plain draws (so P < 3e-5)", hits, 0, 0.0, "a count")
     yield near("uniform: C", falling_constant(UNIFORM).value, 1.46927, 6e-6, "digits of the earlier quadrature")

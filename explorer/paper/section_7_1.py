@@ -13,7 +13,7 @@ import numpy as np
 from numpy.polynomial.polynomial import polyfit
 from scipy.optimize import brentq
 
-from explorer.motion.falls import fall_from_vertical
+from explorer.motion.fall_integrals import fall_from_vertical
 from explorer.motion.limit_motions import limit_motion
 from explorer.motion.passages import passages
 from explorer.motion.periods import periods

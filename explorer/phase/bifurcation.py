@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from explorer.errors import InputError, one_of, shown
 from explorer.phase.arguments import read_columns
-from explorer.phase.constants import constants_of
+from explorer.phase.constants import constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import well
 from explorer.phase.potential import DEGENERATE, Potential, potential
@@ -68,7 +68,7 @@ def fold_curve(disk: Disk, points: int = 400) -> tuple[Array, Array]:
     fast, slow = (np.nan_to_num(row) for row in stability_edges(disk, phi))
     tilts = np.concatenate([-phi[::-1], -phi, phi[::-1], phi])
     turns = np.concatenate([slow[::-1], fast, fast[::-1], slow])
-    half = constants_of(steady_motions(disk, 0.5 * np.pi - tilts, turns).states)
+    half = constants(steady_motions(disk, 0.5 * np.pi - tilts, turns).states)
     x = np.concatenate([half.sigma3_bar, -half.sigma3_bar, half.sigma3_bar[:1]])
     return x, np.concatenate([half.sigma4_bar, -half.sigma4_bar, half.sigma4_bar[:1]])
 

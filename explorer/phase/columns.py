@@ -120,7 +120,9 @@ COLUMNS = {
     "t": Column("Time since the start.", TIME),
     "path": Column("Centre of mass; it starts above the origin.", LENGTH, "(2.33)"),
     "contact": Column("Point of contact.", LENGTH, "(2.35)"),
-    "radius": Column("Of a steady motion: radius of the circle of the contact point.", LENGTH),
+    "radius": Column("Of the circle of the contact point, or of the centre after whole periods.", LENGTH),
+    "shift": Column("Shift of the centre over the table in a period, if chi = 0 at its start.", LENGTH, "(2.33)"),
+    "excess": Column("Energy of a motion that rocks near flat; 1 at the bottom of the well."),
     "velocity": Column("Velocity of the centre of mass.", "length/time", "(2.33)"),
     "nu": Column("Angular velocity in space.", RATE, "(2.27), (2.29)"),
     # how likely it is

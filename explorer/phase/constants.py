@@ -53,23 +53,6 @@ class Constants(Result):
     states: States
 
 
-def constants_of(states: States) -> Constants:
-    """Constants of motion of states, in a row; algebra, no integration."""
-    disk, unit, motion = states.disk, states.disk.rate_unit, states.motion
-    plus, minus = disk.eta_to_eta_hat(motion.eta_plus), disk.eta_to_eta_hat(motion.eta_minus)
-    return Constants(
-        sigma3_bar=motion.sigma3_bar * unit,
-        sigma4_bar=0.5 * (minus - plus) * unit,
-        eta_hat_plus=plus * unit,
-        eta_hat_minus=minus * unit,
-        eta_plus=motion.eta_plus * disk.eta_unit,
-        eta_minus=motion.eta_minus * disk.eta_unit,
-        energy=motion.energy * disk.energy_unit,
-        status=states.status,
-        states=states,
-    )
-
-
 def constants(states: States) -> Constants:
     """Constants of motion of states, by algebra and without integration.
 
@@ -100,4 +83,17 @@ def constants(states: States) -> Constants:
     >>> found.eta_hat_plus.round(4), found.energy
     (array([0.0286]), array([2.1175]))
     """
-    return constants_of(require_states(states)).reshaped(states.shape)
+    disk, unit, motion = require_states(states).disk, states.disk.rate_unit, states.motion
+    plus, minus = disk.eta_to_eta_hat(motion.eta_plus), disk.eta_to_eta_hat(motion.eta_minus)
+    found = Constants(
+        sigma3_bar=motion.sigma3_bar * unit,
+        sigma4_bar=0.5 * (minus - plus) * unit,
+        eta_hat_plus=plus * unit,
+        eta_hat_minus=minus * unit,
+        eta_plus=motion.eta_plus * disk.eta_unit,
+        eta_minus=motion.eta_minus * disk.eta_unit,
+        energy=motion.energy * disk.energy_unit,
+        status=states.status,
+        states=states,
+    )
+    return found.reshaped(states.shape)

@@ -20,7 +20,7 @@ from explorer.phase.arguments import column, read_columns
 from explorer.phase.columns import ANGLE, COLUMNS, RATE
 from explorer.phase.disk import Disk, require_axial_inertia, require_disk
 from explorer.phase.energy import energy_at
-from explorer.phase.lines import line_chart, line_slope, motion_given
+from explorer.phase.linear_constants import line_chart, line_slope, motion_given
 from explorer.phase.states import Array, States, StateWarning, phi_to_states, theta_to_states
 
 T = TypeVar("T")
@@ -169,6 +169,48 @@ def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
         coordinates.setdefault("phi", 0.0)
     chart, values = chart_of("coordinates", coordinates, 0.0)
     return chart.states(disk, values)
+
+
+def constants_to_states(
+    disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot: ArrayLike, face: ArrayLike = 1
+) -> States:
+    """States at the vertical from constants of motion.
+
+    They keep the eta_hat that they are made from, however small. Computed from a state, it would drown in
+    rounding.
+
+    Parameters
+    ----------
+    disk : Disk
+        The body, with I3 > 0.
+    sigma3_bar : array_like
+        Constant of motion of eq. (3.5), which at the vertical is sigma3; units of the disk.
+    eta_hat : array_like
+        Signed distance from the line of `face`, eq. (6.2), units of the disk.
+    phidot : array_like
+        Speed at the vertical, units of the disk. The arrays broadcast; the result has their shape.
+    face : array_like
+        The flat state to whose line the distance is measured, +1 or -1.
+
+    Returns
+    -------
+    States
+        States with phi = 0; status BAD_INPUT where they are not finite.
+
+    Raises
+    ------
+    InputError
+        For arguments that are not numbers or do not broadcast, and for a disk with I3 = 0.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> states = ex.constants_to_states(ex.Disk.hoop(), 1.0, [1e-3, 1e-300], 1.0)
+    >>> states.motion.eta_plus / states.motion.eta_plus[0]
+    array([1.e+000, 1.e-297])
+    """
+    given = {"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot, "face": face}
+    return coordinates_to_states(disk, **given)
 
 
 def _from_constants(disk: Disk, **given: ArrayLike) -> States:

@@ -16,9 +16,9 @@ import numpy as np
 
 from explorer import compiled
 from explorer.errors import InputError, double_of, nearest, number, one_of, positive, said, shown, word
+from explorer.paths import read_toml
 from explorer.phase.arguments import Array as Array
 from explorer.phase.energy import energy_at
-from explorer.phase.paths import read_toml
 
 Number = TypeVar("Number", float, Array)
 
@@ -44,7 +44,7 @@ SYNTAX = (
 )
 # I3 may exceed 2 I1 by rounding of doubles.
 _ROUNDING = 1e-12
-LARGEST_RATE = 1e150  # natural units: squares of rates overflow beyond
+LARGEST_RATE = 1e100  # natural units, of all that is given: up to here cubes of rates are numbers
 
 
 @dataclass(frozen=True, init=False)

@@ -1,8 +1,4 @@
-"""The energy of a motion, and with no speed its amended potential V: written once, in natural units.
-
-Where quadratic forms are wanted for their coefficients, as in the integrals of `explorer.measure`, or V together
-with its derivatives, as in `explorer.phase.potential`, they have another form, which rounds differently.
-"""
+"""The energy of a motion, and with no speed its amended potential V: written once, in natural units."""
 
 from typing import Any
 

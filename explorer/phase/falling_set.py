@@ -141,40 +141,6 @@ def barrier(disk: Disk, sigma3_bar: Array, term: str = "V") -> Array:
 KERNELS = "algebra.constants_batch", "falling.barrier_batch", "falling.critical_X2_batch", "falling.falls_batch"
 
 
-def falls_of(states: States) -> Falls:
-    """The position of states relative to F, in a row."""
-    disk, code = states.disk, compiled.status.Status
-    require_axial_inertia(disk)
-    b, motion, out = disk.body, states.motion, np.empty((3, len(states)))
-    compiled.falling.falls_batch(
-        states.natural, motion.sigma3_bar, motion.energy, obstacle(disk), disk.natural, out
-    )
-    members = compiled.falling.Membership(*out)
-    norm = disk.rate_unit / np.hypot(b.I1 * b.dr0, b.I3 * b.r0)
-    could_plus, could_minus = members.plus > 0.0, members.minus > 0.0
-    with np.errstate(invalid="ignore"):
-        on_plus = abs(motion.eta_plus) <= motion.rounding_plus
-        on_minus = abs(motion.eta_minus) <= motion.rounding_minus
-        near_plus = np.where(on_plus & on_minus & (could_plus ^ could_minus), could_plus, motion.nearer_plus)
-        eta, could = motion.eta(near_plus), np.where(near_plus, could_plus, could_minus)
-        estimate = abs(eta) / np.sqrt(2.0 * b.I1 * np.where(could, members.excess, np.nan))
-    on_f = np.where(near_plus, on_plus, on_minus)
-    falling = on_f & could & (states.status == code.OK)
-    return Falls(
-        face=np.where(near_plus, 1, -1).astype(np.int8),
-        distance=eta * norm,
-        distance_plus=motion.eta_plus * norm,
-        distance_minus=motion.eta_minus * norm,
-        could_fall=could,
-        could_fall_plus=could_plus,
-        could_fall_minus=could_minus,
-        on_f=on_f,
-        theta_min_estimate=estimate,
-        status=np.where(falling, code.FALLS, states.status).astype(np.int8),
-        states=states,
-    )
-
-
 def falls(states: States) -> Falls:
     """Signed distance of states from the falling set F, and whether the disk could fall; no integration.
 
@@ -204,4 +170,34 @@ def falls(states: States) -> Falls:
     >>> found.could_fall
     array([ True, False])
     """
-    return falls_of(require_states(states)).reshaped(states.shape)
+    disk, code = require_states(states).disk, compiled.status.Status
+    require_axial_inertia(disk)
+    b, motion, out = disk.body, states.motion, np.empty((3, len(states)))
+    compiled.falling.falls_batch(
+        states.natural, motion.sigma3_bar, motion.energy, obstacle(disk), disk.natural, out
+    )
+    members = compiled.falling.Membership(*out)
+    norm = disk.rate_unit / np.hypot(b.I1 * b.dr0, b.I3 * b.r0)
+    could_plus, could_minus = members.plus > 0.0, members.minus > 0.0
+    with np.errstate(invalid="ignore"):
+        on_plus = abs(motion.eta_plus) <= motion.rounding_plus
+        on_minus = abs(motion.eta_minus) <= motion.rounding_minus
+        near_plus = np.where(on_plus & on_minus & (could_plus ^ could_minus), could_plus, motion.nearer_plus)
+        eta, could = motion.eta(near_plus), np.where(near_plus, could_plus, could_minus)
+        estimate = abs(eta) / np.sqrt(2.0 * b.I1 * np.where(could, members.excess, np.nan))
+    on_f = np.where(near_plus, on_plus, on_minus)
+    falling = on_f & could & (states.status == code.OK)
+    found = Falls(
+        face=np.where(near_plus, 1, -1).astype(np.int8),
+        distance=eta * norm,
+        distance_plus=motion.eta_plus * norm,
+        distance_minus=motion.eta_minus * norm,
+        could_fall=could,
+        could_fall_plus=could_plus,
+        could_fall_minus=could_minus,
+        on_f=on_f,
+        theta_min_estimate=estimate,
+        status=np.where(falling, code.FALLS, states.status).astype(np.int8),
+        states=states,
+    )
+    return found.reshaped(states.shape)

@@ -19,8 +19,9 @@ from numpy.typing import ArrayLike
 
 from explorer.errors import InputError, number, shown, sign
 from explorer.phase.arguments import column, read_range
-from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.lines import line_chart, line_slope, nearer_plus, other_eta_hat
+from explorer.phase.disk import LARGEST_RATE, Disk, require_axial_inertia
+from explorer.phase.energy import energy_at
+from explorer.phase.linear_constants import line_chart, line_slope, nearer_plus, other_eta_hat
 from explorer.phase.roots import changes_of_sign, roots_among
 from explorer.phase.states import Array
 
@@ -31,7 +32,6 @@ _WALL = 1e-6  # the same beside a line, as a share of |eta_hat|: there the wall 
 _SMALLEST = 1e-290  # rad; doubles of cosh y end soon after
 _FARTHEST = 700.0  # in size, of y: there they do
 _POINTS = 400  # of a curve, and some more where it runs to flat
-_LARGEST = 1e100  # of a constant of motion; squares of larger ones overflow
 _TOLD_APART = 1e-10  # of an energy: levels as far apart differ by many roundings, also at the fastest rates
 CENTRE, SADDLE, DEGENERATE = "centre", "saddle", "degenerate"
 TURNING, FLAT = "turning point", "flat"
@@ -165,7 +165,7 @@ class Potential:
             s3, s4 = chart.rates(self.bar, self.eta)
             s4 = self.face * s4
             rho = s3 / q
-            V = 0.5 * b.I1 * rho * rho + 0.5 * b.J * s4 * s4 + q
+            V = energy_at(b, 0.0, rho, s4, q)
             slope = b.I1 * rho * (rho / q) * z - b.J * rho * s4 - z
             curvature = curvature_of(q, z, s3, s4, b)
             # What rounds: sigma3 and sigma4 are sums, and at the vertical D is a difference of terms of order 1
@@ -404,7 +404,7 @@ def potential(
 
 
 def _constant(name: str, value: float) -> float:
-    return number(name, value, -_LARGEST, _LARGEST)
+    return number(name, value, -LARGEST_RATE, LARGEST_RATE)
 
 
 def _phi(y: float, end: str = TURNING) -> float:

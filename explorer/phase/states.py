@@ -6,7 +6,7 @@ Users give (phi, phidot, sigma3, sigma4) in the units of the disk; kernels take
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -18,7 +18,7 @@ from explorer.errors import InputError, shown
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
 from explorer.phase.disk import Array as Array
-from explorer.phase.lines import Motion, line_slope, motion_given, motion_through, rows_of
+from explorer.phase.linear_constants import Motion, motion_through, rows_of
 from explorer.phase.results import COORDINATES as COORDINATES
 from explorer.phase.results import WithStatus
 
@@ -259,55 +259,6 @@ def theta_to_states(
     return _states(disk, seen, good, shape)
 
 
-def constants_to_states(
-    disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot: ArrayLike, face: ArrayLike = 1
-) -> States:
-    """States at the vertical from constants of motion.
-
-    They keep the eta_hat that they are made from, however small. Computed from a state, it would drown in
-    rounding.
-
-    Parameters
-    ----------
-    disk : Disk
-        The body, with I3 > 0.
-    sigma3_bar : array_like
-        Constant of motion of eq. (3.5), which at the vertical is sigma3; units of the disk.
-    eta_hat : array_like
-        Signed distance from the line of `face`, eq. (6.2), units of the disk.
-    phidot : array_like
-        Speed at the vertical, units of the disk. The arrays broadcast; the result has their shape.
-    face : array_like
-        The flat state to whose line the distance is measured, +1 or -1.
-
-    Returns
-    -------
-    States
-        States with phi = 0; status BAD_INPUT where they are not finite.
-
-    Raises
-    ------
-    InputError
-        For arguments that are not numbers or do not broadcast, and for a disk with I3 = 0.
-
-    Examples
-    --------
-    >>> import explorer as ex
-    >>> states = ex.constants_to_states(ex.Disk.hoop(), 1.0, [1e-3, 1e-300], 1.0)
-    >>> states.motion.eta_plus / states.motion.eta_plus[0]
-    array([1.e+000, 1.e-297])
-    """
-    slope = line_slope(disk)
-    columns, shape = read_columns(sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, face=face)
-    s3, distance, rate, s = columns
-    with np.errstate(all="ignore"):
-        s4 = s * (slope * s3 - distance)
-        motion = motion_given(disk, s3 / disk.rate_unit, distance / disk.rate_unit, s > 0.0)
-    good = (abs(s) == 1.0) & np.isfinite(motion.eta_plus) & np.isfinite(motion.eta_minus)
-    made = _states(disk, (np.ones_like(s3), np.zeros_like(s3), -rate, s3, s4), good, shape)
-    return replace(made, given=motion)
-
-
 def _states(disk: Disk, columns: tuple[Array, ...], good: NDArray[np.bool_], shape: tuple[int, ...]) -> States:
     """States from q, z, p, sigma3 and sigma4, rates in the units of the disk. good: where the tilt is one."""
     unit, (q, z, p, sigma3, sigma4) = disk.rate_unit, columns
@@ -321,10 +272,8 @@ def _states(disk: Disk, columns: tuple[Array, ...], good: NDArray[np.bool_], sha
         np.divide(sigma3, q * unit, out=row.rho)
         np.divide(sigma4, unit, out=row.sigma4)
         rates = row.p, row.rho * q, row.sigma4
-    # Squares beyond overflow; NaN fails the comparison as well. rho may be large near flat.
-    if not all(rate.min(initial=0.0) > -LARGEST_RATE and rate.max(initial=0.0) < LARGEST_RATE for rate in rates):
-        good &= np.all([abs(rate) < LARGEST_RATE for rate in rates], axis=0)
-    good &= np.isfinite(row.rho)
+    # NaN fails the comparison as well. rho may be large near flat.
+    good &= np.all([abs(rate) < LARGEST_RATE for rate in rates], axis=0) & np.isfinite(row.rho)
     # A placeholder keeps the kernels away from values that mean nothing; the status says so.
     natural[:, ~good] = 0.0
     row.q[~good] = 1.0

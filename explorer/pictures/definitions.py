@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from explorer.phase.disk import Disk
-from explorer.phase.lines import line_slope
+from explorer.phase.linear_constants import line_slope
 from explorer.phase.states import Array
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import DARK, SIGN_COLOURS, SIZE, SMALL, TEXT, dress

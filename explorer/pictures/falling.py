@@ -11,7 +11,7 @@ from explorer.measure.slices import ConstantsPlane
 from explorer.measure.statistics import poisson_interval
 from explorer.measure.tallies import LogHistogram
 from explorer.phase.arguments import column
-from explorer.phase.lines import line_slope
+from explorer.phase.linear_constants import line_slope
 from explorer.pictures.register import Question, picture
 from explorer.pictures.slices import colour_tilt
 from explorer.pictures.style import ACCENT, LAW, TEXT, dress, label, legend_below

@@ -12,8 +12,9 @@ from explorer.errors import InputError
 from explorer.motion.both_sides import both_sides
 from explorer.motion.passages import passages
 from explorer.motion.trajectories import finer, simulate
+from explorer.phase.coordinates import constants_to_states
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array, constants_to_states
+from explorer.phase.states import Array
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import (
     DARK,

@@ -12,7 +12,7 @@ from matplotlib.patheffects import withStroke
 from explorer.errors import InputError
 from explorer.motion.periods import periods
 from explorer.phase.disk import Disk
-from explorer.phase.lines import line_slope
+from explorer.phase.linear_constants import line_slope
 from explorer.phase.states import Array, phi_to_states
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import DARK, SIGNED_COLOURS, SMALL, TEXT, colour_bar, label, legend_below, number

@@ -17,7 +17,7 @@ from explorer.phase.bifurcation import (
 )
 from explorer.phase.disk import Disk
 from explorer.phase.falling_set import well
-from explorer.phase.lines import line_slope
+from explorer.phase.linear_constants import line_slope
 from explorer.phase.potential import potential
 from explorer.phase.steady import circular_rolling, steady_motions
 from explorer.pictures.register import Question, picture

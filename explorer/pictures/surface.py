@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from explorer.phase.arguments import column
 from explorer.phase.disk import Disk
-from explorer.phase.lines import line_chart
+from explorer.phase.linear_constants import line_chart
 from explorer.phase.states import Array
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import SIZE, TEXT, coordinate_label, dress, legend_of_all, number

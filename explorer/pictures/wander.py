@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 from explorer.errors import InputError
 from explorer.motion.periods import periods
 from explorer.motion.wander import WanderPath, resonance, wander, wander_path
+from explorer.phase.coordinates import constants_to_states
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array, States, constants_to_states
+from explorer.phase.states import Array, States
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import DARK, SERIES, SIZE, SMALL, coordinate_label, dress, legend_below, legend_of_all
 

@@ -20,7 +20,7 @@ from filelock import FileLock, Timeout
 
 from explorer import compiled
 from explorer.errors import InputError, shown, whole, words
-from explorer.phase.paths import made_folder, path_of
+from explorer.paths import made_folder, path_of
 from explorer.runs import store
 from explorer.runs.machine import arithmetic, machine
 from explorer.runs.settings import read_formats

@@ -18,7 +18,7 @@ from tqdm import tqdm
 from explorer import compiled
 from explorer.errors import InputError, Interrupted, RunError, note, one_of, shorten, words
 from explorer.measure.tallies import ByName
-from explorer.phase.paths import path_of
+from explorer.paths import path_of
 from explorer.runs import folder as folders
 from explorer.runs import store
 from explorer.runs.interrupt import stopping

@@ -19,8 +19,8 @@ from explorer.measure.slices import ConstantsPlane, Slice, slice_map
 from explorer.measure.tallies import ByName, Least, LogHistogram, count_status
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import falling_set
-from explorer.phase.constants import constants_of
-from explorer.phase.falling_set import falls_of
+from explorer.phase.constants import constants
+from explorer.phase.falling_set import falls
 from explorer.phase.states import COORDINATES, Array, phi_to_states
 from explorer.scenes.given_states import Block
 from explorer.scenes.options import Reader, option, whole_from, word_of
@@ -115,9 +115,9 @@ class FallingSet(FromStates):
     def observe(self, block: Block) -> Table:
         """Everything about a few states; where theta_min is not computed it is NaN."""
         states, n = block.states, len(block.states)
-        exact, constants = falls_of(states), constants_of(states)
+        exact, known = falls(states), constants(states)
         names = "sigma3_bar", "eta_hat_plus", "eta_hat_minus", "energy"
-        table: Table = {name: getattr(constants, name) for name in names}
+        table: Table = {name: getattr(known, name) for name in names}
         table |= {"face": exact.face, "could_fall": exact.could_fall, "theta_min": np.full(n, np.nan)}
         table |= {"status": exact.status.astype(np.int8), "steps": np.zeros(n, np.int32)}
         rows: Any = np.s_[:]
@@ -164,7 +164,7 @@ class FallingSet(FromStates):
     @cached_property
     def _reach(self) -> Array:
         """How far the map goes: what holds 99.5 % of the first states in each direction."""
-        found = constants_of(self.first_states(_FIRST))
+        found = constants(self.first_states(_FIRST))
         good = np.isfinite(found.sigma3_bar) & np.isfinite(found.sigma4_bar)
         both = (found.sigma3_bar, found.sigma4_bar)
         return np.maximum([np.percentile(abs(c[good]), 99.5) if good.any() else 1.0 for c in both], 1e-300)

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, double_of, shorten
+from explorer.paths import path_of
 from explorer.phase.coordinates import ANGULAR, Chart, recognise
 from explorer.phase.disk import Disk
-from explorer.phase.paths import path_of
 from explorer.phase.states import COORDINATES, Array, States
 
 if TYPE_CHECKING:

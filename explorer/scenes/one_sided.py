@@ -17,9 +17,10 @@ from explorer.measure.races import SIDES
 from explorer.measure.sampling import Range, chunk_stream
 from explorer.measure.tallies import ByName, count_status
 from explorer.motion import limit_motions
-from explorer.motion.both_sides import QUANTITIES, beside, both_sides, limits_at, sample_times
+from explorer.motion.both_sides import QUANTITIES, both_sides, limits_from, sample_times
 from explorer.motion.plan import TIGHTEST
 from explorer.motion.trajectories import trajectories_by
+from explorer.phase.coordinates import constants_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
 from explorer.scenes.options import DISK, NUMBER, RANGE, RANGES, option, plain
@@ -137,9 +138,11 @@ class OneSided(Scene):
 
     def _approach(self, disk: Disk, base: int, start: dict[str, float]) -> Table:
         """All rungs of the ladder, both signs, beside one point of F."""
-        eta_hat, limits = np.concatenate([self.ladder(disk), -self.ladder(disk)]), limits_at(disk, start)
+        eta_hat = np.concatenate([self.ladder(disk), -self.ladder(disk)])
+        limits = limits_from(constants_to_states(disk, eta_hat=0.0, **start))
         times, middle = sample_times(limits[1])
-        motion = trajectories_by(beside(disk, start, eta_hat), self.plan, times, QUANTITIES)
+        beside = constants_to_states(disk, eta_hat=eta_hat, **start)
+        motion = trajectories_by(beside, self.plan, times, QUANTITIES)
         assert motion.chi is not None
         fixed = {"base": base, "sigma3_bar": start["sigma3_bar"], "phidot": start["phidot"]}
         columns: Table = {name: np.full(eta_hat.size, value) for name, value in fixed.items()}
@@ -190,7 +193,7 @@ class OneSided(Scene):
         for index, (disk, first, _) in enumerate(self.parts):
             if first:
                 continue
-            start = beside(disk, self.starts(index)[0], 0.0)
+            start = constants_to_states(disk, eta_hat=0.0, **self.starts(index)[0])
             both = both_sides(start)
             yield f"motion-{disk.name}", partial(one_sided.one_sided_motion, both)
             yield f"contact-{disk.name}", partial(one_sided.contact_paths, both)

@@ -20,9 +20,9 @@ import numpy as np
 from explorer.errors import InputError, flag, number, one_of, shown, suggest, whole
 from explorer.measure.density import Function
 from explorer.measure.sampling import read_gaussians, read_ranges
+from explorer.paths import path_of
 from explorer.phase.arguments import read_range
 from explorer.phase.disk import Disk
-from explorer.phase.paths import path_of
 
 
 class Reader(NamedTuple):

@@ -28,8 +28,8 @@ from explorer.measure.races import (
 from explorer.measure.sampling import Range, Stream, log_uniform, read_ranges, signs
 from explorer.measure.tallies import ByName, Histogram, LogHistogram
 from explorer.motion.bounces import MOST, bounce_kernels, bounces, motion_constants
+from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.passages import passage_kernels, passages_by
-from explorer.motion.vertical import starts_at_vertical
 from explorer.phase.states import Array
 from explorer.scenes.given_states import Block
 from explorer.scenes.options import RANGE, RANGES, option, whole_from, word_of
@@ -123,14 +123,14 @@ class RaceAngles(FromStates):
     def count(self, tally: RaceCounts, table: Table) -> None:
         race, eta_hat, limit = table["race_angle"], table["eta_hat"], self.disk.race_limit
         deviation, group = race - np.sign(eta_hat) * limit, decades_and_sides(eta_hat)
-        known = np.isfinite(group)  # a motion on F belongs to no decade
+        known = np.isfinite(group) & np.isfinite(deviation)  # a motion on F belongs to no decade
         for name, counts in zip(SIDES, count_angles(limit, eta_hat, race), strict=True):
             tally.angles[name] += Histogram(counts)
         if known.any():
-            lowest, highest = int(group[known].min()), int(group[known].max())
-            place = np.where(known, group - lowest, -1.0).astype(np.int64)
-            for n, parts in enumerate(tallies.sums(deviation, place, highest - lowest + 1), lowest):
-                tally.deviations[str(n)] += float(parts.sum())
+            lowest = int(group[known].min())
+            sums = np.bincount((group[known] - lowest).astype(np.int64), deviation[known])
+            for n, total in enumerate(sums.tolist(), lowest):
+                tally.deviations[str(n)] += total
         tally.decades.count(deviation, group)
         count_law(tally.law, self.disk, eta_hat, race, table["impact_speed"], table["error_estimate"])
         tally.error_estimate.count(table["error_estimate"])

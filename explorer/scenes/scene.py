@@ -21,9 +21,9 @@ from explorer.errors import InputError, RunError, one_of, shown, suggest
 from explorer.measure.sampling import Stream, chunk_stream
 from explorer.measure.tallies import ByName, Tally, count_status
 from explorer.motion.plan import METHODS, Plan, plan
+from explorer.paths import read_toml
 from explorer.phase.columns import Column
 from explorer.phase.disk import SYNTAX, Disk
-from explorer.phase.paths import read_toml
 from explorer.scenes.options import DISK, NUMBER, Options, option, whole_from, word_of
 
 if TYPE_CHECKING:

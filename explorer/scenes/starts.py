@@ -9,7 +9,7 @@ import numpy as np
 from explorer import compiled
 from explorer.errors import InputError, RunError
 from explorer.measure.density import ANY_ENERGY, Density, Function
-from explorer.measure.sampling import Box, ChartBox, Range, Stream, box_of, chunk_stream, in_radians, signs
+from explorer.measure.sampling import Box, Range, Ranges, Stream, box_of, chunk_stream, in_radians, signs
 from explorer.phase.disk import SYNTAX, Disk, require_axial_inertia
 from explorer.phase.states import Array, States
 from explorer.scenes.given_states import Block, GivenStates, coordinates_of
@@ -24,7 +24,7 @@ _NEAR_F = (1e-305, 10.0)
 class FromDensity(SampledScene):
     """Where states are drawn."""
 
-    box: Box | ChartBox = option(
+    box: Ranges = option(
         RANGES,
         "ranges of uniform random states, in the units of the disk, as in "
         '"phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2"; '
@@ -59,7 +59,7 @@ class FromDensity(SampledScene):
             # An energy or a density that the box does not reach is refused before anything is written.
             self.draw(chunk_stream(self.seed, 0), 1)
 
-    def box_of(self, given: dict[str, Range] | None) -> Box | ChartBox:
+    def box_of(self, given: dict[str, Range] | None) -> Ranges:
         """The box that ranges describe; what is left out has its natural range."""
         return box_of(self.disk, in_radians(given or {}, self.degrees))
 
@@ -187,7 +187,7 @@ BOX_NEAR_F = (
 ETA_HAT = "distance |eta_hat| from the falling set, on both sides, in the units of the disk"
 
 
-class BoxNearF(ChartBox):
+class BoxNearF(Ranges):
     """Speed towards flat and sigma3 of motions that start at the vertical, at a distance from F."""
 
     @classmethod

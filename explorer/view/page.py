@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from explorer.errors import InputError, shown
+from explorer.paths import writing
 from explorer.phase.disk import Disk
-from explorer.phase.paths import writing
 from explorer.view.assembly import assemble
 from explorer.view.start import AtVertical, Start, start_at_vertical, start_in
 

@@ -11,8 +11,9 @@ from explorer.errors import InputError, number, shown, whole
 from explorer.motion.bounces import Bounces
 from explorer.motion.limit_motions import LimitMotion
 from explorer.motion.starts import status_at_start
+from explorer.phase.coordinates import constants_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.states import States, constants_to_states
+from explorer.phase.states import States
 
 _UPRIGHT = 0.5 * math.pi
 # The page takes steps in proportion to ln(1/|eta_hat|), some ten milliseconds of them here: it still keeps up

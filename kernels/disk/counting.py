@@ -1,4 +1,4 @@
-"""Counts of many numbers in one pass: by the logarithm of their size, and between edges; their sums."""
+"""Counts of many numbers in one pass: by the logarithm of their size, and between edges."""
 
 from typing import NamedTuple
 
@@ -97,21 +97,3 @@ def histogram_batch(values: Vector, groups: Longs, edges: Vector, counts: Counts
             elif k < bins - 1 and value >= edges[k + 1]:
                 k += 1
         counts[groups[i] * (bins + 1) + k] += 1
-
-
-@kernel
-def sum_batch(values: Vector, groups: Longs, sums: Matrix) -> None:
-    """Sums of numbers by group -> sums (groups, 3), which is zero before; the three add up to the sum.
-
-    groups (n): as in `histogram_batch`. What a sum loses by rounding is summed on its own, twice.
-    """
-    for i in range(values.size):
-        g, lost = groups[i], values[i]
-        if g < 0 or not abs(lost) <= LARGEST:
-            continue
-        for k in range(3):
-            before = sums[g, k]
-            after = before + lost
-            kept = after - before
-            lost = (before - (after - kept)) + (lost - kept)
-            sums[g, k] = after

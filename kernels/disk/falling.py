@@ -6,7 +6,7 @@ Face -1 is the mirror image (sigma1, sigma3, sigma4) -> (-sigma1, sigma3, -sigma
 """
 
 import math
-from typing import Annotated, Generic, NamedTuple
+from typing import Annotated, Any, Generic, NamedTuple
 
 from numba import float64
 from numba import types as nb
@@ -59,15 +59,22 @@ class Membership(NamedTuple, Generic[Entry]):
 
 
 class LineChart(NamedTuple, Generic[Entry]):
-    """The linear map from (sigma3_bar, eta_hat_+) to (sigma3, sigma4) at one tilt.
+    """The linear map from (sigma3_bar, eta_hat_+) to (sigma3, sigma4) at one tilt, eqs (3.5), (6.2).
 
-    sigma3 = bar_to_sigma3 sigma3_bar + eta_hat_to_sigma3 eta_hat, and sigma4 alike.
+    Its determinant is -1 at every tilt, so that dsigma3 dsigma4 = dsigma3_bar deta_hat.
     """
 
     bar_to_sigma3: Entry
     eta_hat_to_sigma3: Entry
     bar_to_sigma4: Entry
     eta_hat_to_sigma4: Entry
+
+    def rates(self, sigma3_bar: Any, eta_hat: Any) -> tuple[Entry, Entry]:
+        """sigma3 and sigma4, in natural units if the arguments are."""
+        return (
+            self.bar_to_sigma3 * sigma3_bar + self.eta_hat_to_sigma3 * eta_hat,
+            self.bar_to_sigma4 * sigma3_bar + self.eta_hat_to_sigma4 * eta_hat,
+        )
 
 
 class Barrier(NamedTuple, Generic[Entry]):
@@ -263,10 +270,7 @@ def line_chart(q: float, z: float, disk: Disk) -> LineChart[float]:
 
 @kernel
 def line_chart_batch(q: Vector, z: Vector, disk: Disk, out: Matrix) -> None:
-    """q = cos phi, z = sin phi (n) -> out (4, n), rows as LineChart.
-
-    The chart's determinant is -1 at every tilt: dsigma3 dsigma4 = dsigma3_bar deta_hat.
-    """
+    """q = cos phi, z = sin phi (n) -> out (4, n), rows as LineChart."""
     for i in range(q.size):
         put(line_chart(q[i], z[i], disk), out, i)
 

@@ -18,7 +18,7 @@ from explorer import compiled
 from explorer.motion.integration import InitialValues, follow
 from explorer.motion.plan import plan
 from explorer.motion.work_precision import STAGES
-from explorer.phase.states import constants_to_states
+from explorer.phase.coordinates import constants_to_states
 
 SAMPLES = 4096
 # method, step or tolerance, steps of all samples together, 99th percentile of the error

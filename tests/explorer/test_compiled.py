@@ -8,7 +8,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 
 
-SMALL = ("counting.sum_batch", "falling.critical_X2_batch")
+SMALL = ("counting.histogram_batch", "falling.critical_X2_batch")
 MISSING = f"""
 import sys
 from explorer import compiled
@@ -25,7 +25,7 @@ def test_what_is_asked_for_is_compiled_once_and_said_in_one_line(tmp_path):
         subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=True).stdout
         for _ in range(2)
     )
-    names = ["sum_batch", "critical_X2_batch"]
+    names = ["histogram_batch", "critical_X2_batch"]
     assert first == "compiling 2 kernel(s); once for this version, then kept\n2 True\n0\n"
     assert again == "0 False\n0\n"
     found = {path.name.split(".")[1].rpartition("-")[0] for path in tmp_path.rglob("*.nbi")}

@@ -145,9 +145,9 @@ import numpy as np
 import explorer as ex
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt
-from explorer.phase.lines import line_chart
+from explorer.phase.linear_constants import line_chart
 from explorer.phase.falling_set import barrier
-from explorer.phase.states import constants_to_states
+from explorer.phase.coordinates import constants_to_states
 from explorer.scenes.falling_set import FallingSet
 from explorer.scenes.race_angles import RaceAngles
 from numba.core.runtime import _nrt_python, rtsys

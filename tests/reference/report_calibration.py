@@ -9,9 +9,9 @@ import numpy as np
 
 import explorer as ex
 from explorer.motion.calibration import MEASURED
+from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.plan import plan
 from explorer.motion.reference_samples import ReferencePassages, through_time
-from explorer.motion.vertical import starts_at_vertical
 
 BODIES = (ex.Disk.uniform(), ex.Disk.hoop(), ex.Disk(I1=0.02, I3=0.04), ex.Disk(I1=0.5, I3=0.3))
 PASSAGES, MOTIONS = 1024, 128
@@ -21,7 +21,7 @@ def error_of(samples, method, setting):
     """The 99th percentile of the errors at a setting, where no sample is refused for its error."""
     how = replace(plan(samples.observables, 1e-11, method), setting=setting)  # falls to 1e-11
     tried = samples.compare(samples.call(how))
-    return np.nanpercentile(np.where(samples.known, tried.errors, np.nan), 99)
+    return np.nanpercentile(np.where(samples.exact.ok, tried.errors, np.nan), 99)
 
 
 def starts(count, seed):

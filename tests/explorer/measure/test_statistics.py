@@ -6,7 +6,7 @@ from scipy.stats import beta
 
 import explorer as ex
 from explorer.measure.statistics import either_p, poisson_interval, share, upper_bound
-from explorer.measure.tallies import count_status, histograms, sums
+from explorer.measure.tallies import count_status, histograms
 
 
 def test_statuses_are_counted_by_name_and_only_those_that_occur():
@@ -40,7 +40,6 @@ def test_intervals_of_counts_are_the_exact_ones():
     np.testing.assert_allclose(high, [3.6889, 18.3904], atol=1e-4)
 
 
-def test_groups_have_histograms_and_sums_of_their_own():
+def test_groups_have_histograms_of_their_own():
     values, groups = np.array([0.5, 1.5, 9.0, 0.5, np.nan]), np.array([0, 1, 1, -1, 0])
     assert histograms(values, groups, np.array([0.0, 1.0, 2.0]), 2).tolist() == [[1, 0, 0], [0, 1, 1]]
-    assert sums(values, groups, 2).sum(axis=1).tolist() == [0.5, 10.5]

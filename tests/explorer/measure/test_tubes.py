@@ -15,7 +15,7 @@ from explorer.measure.falling_probability import FallingProbability
 from explorer.measure.tubes import widest_eta
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt
-from explorer.phase.lines import line_chart
+from explorer.phase.linear_constants import line_chart
 from explorer.phase.states import phi_to_states
 
 

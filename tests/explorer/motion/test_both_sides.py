@@ -6,15 +6,16 @@ from conftest import BODIES
 from motions import trajectories
 
 import explorer as ex
-from explorer.motion.both_sides import FALLS, MARGIN, QUANTITIES, beside, both_sides, limits_at, sample_times
+from explorer.motion.both_sides import FALLS, MARGIN, QUANTITIES, both_sides, limits_from, sample_times
 
 HOOP = BODIES["hoop"]
 START = {"sigma3_bar": 0.6, "phidot": 1.0, "face": 1}
+ON_F = ex.constants_to_states(HOOP, eta_hat=0.0, **START)
 
 
 @pytest.fixture(scope="module")
 def both():
-    return both_sides(beside(HOOP, START, 0.0))
+    return both_sides(ON_F)
 
 
 def test_each_motion_stays_with_the_limit_of_its_own_side(both):
@@ -42,7 +43,7 @@ def test_the_description_fits_on_a_screen(both):
 
 
 def test_distances_are_taken_away_from_the_impacts():
-    limit = limits_at(HOOP, START)[1]
+    limit = limits_from(ON_F)[1]
     times, middle = sample_times(limit)
     impacts = limit.impacts(2.0 * times[-1])
     assert abs(times[:, None] - impacts).min() > MARGIN * limit.period
@@ -51,9 +52,14 @@ def test_distances_are_taken_away_from_the_impacts():
 
 
 def test_the_distance_to_the_limit_shrinks_with_eta():
-    limit = limits_at(HOOP, START)[1]
+    limit = limits_from(ON_F)[1]
     times, _ = sample_times(limit)
-    motion = trajectories(beside(HOOP, START, [1e-2, 1e-4]), t_eval=times, observables=QUANTITIES, accuracy=1e-8)
+    motion = trajectories(
+        ex.constants_to_states(HOOP, eta_hat=[1e-2, 1e-4], **START),
+        t_eval=times,
+        observables=QUANTITIES,
+        accuracy=1e-8,
+    )
     far, near = abs(motion.chi - limit(times).chi).max(axis=1)
     # eta ln(1/eta) falls by 50
     assert 20.0 < far / near < 120.0
@@ -82,7 +88,7 @@ def test_both_sides_start_anywhere_on_f_and_come_nearer_to_their_limits(face):
 
 
 def test_the_path_of_the_limit_with_its_races_is_that_of_a_motion_beside_it():
-    both = ex.both_sides(beside(HOOP, START, 0.0), 1e-4)
+    both = ex.both_sides(ON_F, 1e-4)
     for sign in (1, -1):
         whole, near = both.limit_path(sign), both.motions[sign]["contact"][:, :2]
         # Each point of one lies on the other: the races as well.
@@ -92,8 +98,8 @@ def test_the_path_of_the_limit_with_its_races_is_that_of_a_motion_beside_it():
 
 
 def test_a_last_time_of_ones_own_says_how_many_falls_there_are():
-    both = both_sides(beside(HOOP, START, 0.0), 1e-4, 30.0)
-    limit = limits_at(HOOP, START)[1]
+    both = both_sides(ON_F, 1e-4, 30.0)
+    limit = limits_from(ON_F)[1]
     assert both.t[-1] == 30.0
     np.testing.assert_array_equal(both.impacts, limit.impacts(30.0))
     for side in (1, -1):

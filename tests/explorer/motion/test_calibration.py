@@ -7,7 +7,7 @@ import explorer as ex
 from explorer.motion.calibration import MEASURED
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import turning_points
-from explorer.phase.states import constants_to_states
+from explorer.phase.coordinates import constants_to_states
 
 
 @pytest.mark.parametrize("method", MEASURED)

@@ -7,9 +7,9 @@ from motions import trajectories
 from passing import start_on_f
 
 import explorer as ex
-from explorer.motion.falls import fall_from_vertical
+from explorer.motion.fall_integrals import fall_from_vertical
 from explorer.motion.limit_motions import limit_motion
-from explorer.phase.states import constants_to_states
+from explorer.phase.coordinates import constants_to_states
 
 ALL = ("phi", "phidot", "chi", "psi", "path", "contact")
 IMPACT = {"uniform": 1.816042, "hoop": 1.758017}

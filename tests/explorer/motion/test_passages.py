@@ -7,10 +7,11 @@ from scipy.special import ellipkinc
 from shares import INTEGRATORS, Passages, assert_paid_for
 
 import explorer as ex
+from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.passages import passages_by, reference_passages
 from explorer.motion.plan import plan
-from explorer.motion.vertical import starts_at_vertical
-from explorer.phase.states import constants_to_states, phi_to_states
+from explorer.phase.coordinates import constants_to_states
+from explorer.phase.states import phi_to_states
 
 
 @pytest.mark.parametrize("face", [1, -1])

@@ -5,9 +5,9 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.motion.falls import fall_from_vertical
+from explorer.motion.fall_integrals import fall_from_vertical
 from explorer.phase.energy import energy_at
-from explorer.phase.lines import line_slope
+from explorer.phase.linear_constants import line_slope
 
 
 def test_a_fall_is_the_limit_of_passages_and_takes_half_their_time():

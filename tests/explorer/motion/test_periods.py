@@ -8,8 +8,9 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
+from explorer.phase.coordinates import constants_to_states
 from explorer.phase.potential import curvature_of
-from explorer.phase.states import constants_to_states, phi_to_states
+from explorer.phase.states import phi_to_states
 
 ROWS = {  # mathematics, section 10
     ("uniform", 0.01): (3.5309125568, 10.16442885, 4.88619430),

@@ -8,11 +8,11 @@ from conftest import BODIES
 from motions import trajectories
 
 import explorer as ex
+from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.passages import passages
 from explorer.motion.plan import plan
 from explorer.motion.reference_samples import IN_TIME, ReferenceMotions, ReferencePassages, through_time
-from explorer.motion.vertical import starts_at_vertical
-from explorer.phase.states import constants_to_states
+from explorer.phase.coordinates import constants_to_states
 
 DISK = BODIES["hoop"]
 

@@ -9,10 +9,10 @@ from passing import start_on_f
 from scipy.special import ellipkinc
 
 import explorer as ex
-from explorer.motion.falls import fall_from_vertical
+from explorer.motion.fall_integrals import fall_from_vertical
 from explorer.motion.limit_motions import limit_motion
+from explorer.phase.coordinates import constants_to_states
 from explorer.phase.falling_set import barrier, well
-from explorer.phase.states import constants_to_states
 
 UNIFORM = BODIES["uniform"]
 # The last ones turn beside the other flat state, and race there as well.

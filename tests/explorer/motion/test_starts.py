@@ -5,8 +5,9 @@ from conftest import BODIES
 
 import explorer as ex
 from explorer.motion.starts import arc_starts, face_of, status_at_start, status_of_period
-from explorer.phase.lines import line_slope
-from explorer.phase.states import constants_to_states, phi_to_states, theta_to_states
+from explorer.phase.coordinates import constants_to_states
+from explorer.phase.linear_constants import line_slope
+from explorer.phase.states import phi_to_states, theta_to_states
 
 OK, FALLS, UNRESOLVED, BAD = ex.Status.OK, ex.Status.FALLS, ex.Status.UNRESOLVED_SIDE, ex.Status.BAD_INPUT
 

@@ -11,8 +11,8 @@ import explorer as ex
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import turning_points
 from explorer.paper import eight_dimensions as plain_disk
-from explorer.phase.lines import line_slope
-from explorer.phase.states import constants_to_states
+from explorer.phase.coordinates import constants_to_states
+from explorer.phase.linear_constants import line_slope
 
 pytestmark = pytest.mark.filterwarnings("ignore::explorer.errors.CoarseTimesWarning")
 

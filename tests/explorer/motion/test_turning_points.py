@@ -8,7 +8,8 @@ from slow_chaplygin import SlowMotion
 import explorer as ex
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt, turning_points
-from explorer.phase.states import constants_to_states, phi_to_states
+from explorer.phase.coordinates import constants_to_states
+from explorer.phase.states import phi_to_states
 
 
 def test_passages_computed_in_forty_digits(reference_passages):

@@ -101,3 +101,14 @@ def test_bad_input_gets_a_sentence(call, says):
     with pytest.raises(ex.InputError) as caught:
         call()
     assert says in str(caught.value)
+
+
+def test_results_have_the_shape_of_the_states_and_are_tables():
+    states = ex.constants_to_states(UNIFORM, 0.7, [[0.05, -0.05], [0.1, 0.0]], 1.0)
+    found = ex.wander(states)
+    assert found.shape == (2, 2)
+    assert found.after(3).shape == (2, 2, 4)
+    assert found[0, 1].step == found.step[0, 1]
+    table = found.to_pandas()
+    np.testing.assert_array_equal(table.shift_x + 1j * table.shift_y, found.step.ravel())
+    assert table.status.tolist() == ["ok", "ok", "ok", "falls"]

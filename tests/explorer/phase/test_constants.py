@@ -5,8 +5,8 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.phase.constants import constants_of
-from explorer.phase.states import constants_to_states
+from explorer.phase.constants import constants
+from explorer.phase.coordinates import constants_to_states
 
 
 def test_at_the_vertical_the_constants_are_the_state_itself(body):
@@ -50,7 +50,7 @@ def test_mirror_images_have_mirrored_constants(body):
 def test_a_state_at_given_eta_hat_reports_it(paper_body):
     eta_hat = np.array([1e-2, -1e-4, 1e-6, -1e-10])
     for face in (1, -1):
-        found = constants_of(constants_to_states(paper_body, 1.3, eta_hat, 0.5, face))
+        found = constants(constants_to_states(paper_body, 1.3, eta_hat, 0.5, face))
         got = found.eta_hat_plus if face > 0 else found.eta_hat_minus
         np.testing.assert_allclose(got, eta_hat, atol=2e-15)
 

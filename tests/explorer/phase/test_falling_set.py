@@ -7,12 +7,12 @@ from numpy.polynomial.polynomial import polyval
 
 import explorer as ex
 from explorer import compiled
-from explorer.motion.falls import fall_from_vertical
+from explorer.motion.fall_integrals import fall_from_vertical
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt
-from explorer.phase.falling_set import falls_of, impact_speed, obstacle, well
-from explorer.phase.lines import line_slope
-from explorer.phase.states import constants_to_states
+from explorer.phase.coordinates import constants_to_states
+from explorer.phase.falling_set import falls, impact_speed, obstacle, well
+from explorer.phase.linear_constants import line_slope
 
 WELLS = {"uniform": 0.34456, "hoop": 0.31638, "matching": 0.33436}
 FALLS = {"uniform": (1.293920, 1.612452), "hoop": (1.325324, 1.527525)}
@@ -50,7 +50,7 @@ def test_every_state_at_the_vertical_on_a_line_could_fall_on_that_face(body):
         states = constants_to_states(
             body, rng.uniform(-3, 3, 200) * unit, 0.0, rng.uniform(-3, 3, 200) * unit, face
         )
-        found = falls_of(states)
+        found = falls(states)
         assert (found.face == face).all()
         assert found.could_fall.all()
         assert found.on_f.all()
@@ -68,7 +68,7 @@ def test_membership_agrees_with_integration_just_beside_the_lines():
         sigma3_bar = rng.uniform(-0.5, 0.5, n)
         states = beside_line(disk, phi, phidot, sigma3_bar, 1e-7)
         natural = states.motion
-        exact = falls_of(states)
+        exact = falls(states)
         theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-4, "dopri5"))
         good = (status == 0) & (abs(natural.eta_plus) < 0.5 * abs(natural.eta_minus))
         flat = theta[good] < 1e-3 * np.sqrt(b.I3)
@@ -101,7 +101,7 @@ def test_theta_min_approaches_its_leading_order(paper_body):
     for eta_hat in (1e-3, 1e-4, 1e-5):
         states = constants_to_states(paper_body, 1.0, [eta_hat, -eta_hat], 1.0)
         theta, _, _ = smallest_tilt(states, plan(("theta_min",), 1e-8, "dopri5"))
-        errors.append(abs(theta / falls_of(states).theta_min_estimate - 1).max())
+        errors.append(abs(theta / falls(states).theta_min_estimate - 1).max())
     assert errors[2] < 3e-4
     assert errors[2] < 0.2 * errors[1] < 0.04 * errors[0]
 

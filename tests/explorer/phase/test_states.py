@@ -5,7 +5,8 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.phase.states import States, constants_to_states, phi_to_states, theta_to_states
+from explorer.phase.coordinates import constants_to_states
+from explorer.phase.states import States, phi_to_states, theta_to_states
 
 
 def test_arguments_that_do_not_broadcast_are_refused():

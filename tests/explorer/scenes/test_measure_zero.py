@@ -11,7 +11,7 @@ from conftest import computed
 
 import explorer as ex
 from explorer.measure import falling_probability
-from explorer.phase.constants import constants_of
+from explorer.phase.constants import constants
 from explorer.phase.states import COORDINATES, phi_to_states
 from explorer.scenes.measure_zero import MeasureZero
 from explorer.scenes.scene import scene_of
@@ -136,7 +136,7 @@ def test_rows_that_are_kept_are_plain_draws_below_the_first_rung(few):
 def test_a_plain_draw_that_is_not_followed_could_not_come_flatter_than_the_first_rung(few):
     table, tally = few.chunk(few.chunks - 1)
     followed = phi_to_states(few.disk, **{name: table[name] for name in COORDINATES})
-    nearer = np.fmin(*(abs(getattr(constants_of(followed), name)) for name in ("eta_hat_plus", "eta_hat_minus")))
+    nearer = np.fmin(*(abs(getattr(constants(followed), name)) for name in ("eta_hat_plus", "eta_hat_minus")))
     np.testing.assert_allclose(nearer, abs(table["eta_hat"]), rtol=1e-9, atol=1e-14)
     assert tally.status["not followed"] == 5000 - table["status"].size > 0
     assert sum(tally.status.values()) == 5000

@@ -154,7 +154,7 @@ def test_dashes_and_underscores_are_the_same_in_a_scene_file(tmp_path):
 def test_ranges_are_text_a_mapping_or_a_box_and_keep_all_digits():
     third = {"phi": (-1.0 / 3.0, 1.0 / 3.0), "sigma3": "0.1"}
     box = made("falling-set", box=third).box
-    assert (box.phi, box.sigma3) == ((-1.0 / 3.0, 1.0 / 3.0), (0.1, 0.1))
+    assert (box.ranges["phi"], box.ranges["sigma3"]) == ((-1.0 / 3.0, 1.0 / 3.0), (0.1, 0.1))
     mine = Box((0.0, 0.0), (-0.1, 0.2), (0.0, 1.0 / 7.0), (1.0, 1.0))
     assert made("falling-set", box=mine).box == mine
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import explorer as ex
-from explorer.phase.constants import constants_of
+from explorer.phase.constants import constants
 from explorer.view.page import view
 
 COIN = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
@@ -38,8 +38,8 @@ def test_states_near_flat_keep_their_tilt(face):
     # theta grows, so the motion leaves its face.
     assert start.phidot == pytest.approx(-0.3)
     assert start.face == face
-    constants = constants_of(states)
-    eta_hat = constants.eta_hat_plus if face > 0 else constants.eta_hat_minus
+    known = constants(states)
+    eta_hat = known.eta_hat_plus if face > 0 else known.eta_hat_minus
     assert start.eta_hat == pytest.approx(eta_hat[0], rel=1e-12)
 
 

@@ -8,7 +8,7 @@ import pytest
 from conftest import BODIES
 from slow_chaplygin import hypergeometric
 
-from explorer.phase import lines
+from explorer.phase import linear_constants
 from explorer.phase.states import theta_to_states
 from kernels.disk import constants
 from kernels.disk.chaplygin import sigma_from_constants, solutions
@@ -58,4 +58,6 @@ def test_constants_of_a_state_agree_with_forty_digits(face):
     [(1.0, 2.0), (2.0, -1.0), (-1.0, 1.0), (0.0, 0.0), (math.nan, 1.0), (1.0, math.nan)],
 )
 def test_kernels_and_explorer_agree_which_face_is_nearer_also_in_ties(plus, minus):
-    assert constants.nearer_plus.py_func(plus, minus) == lines.nearer_plus(np.array(plus), np.array(minus))
+    assert constants.nearer_plus.py_func(plus, minus) == linear_constants.nearer_plus(
+        np.array(plus), np.array(minus)
+    )

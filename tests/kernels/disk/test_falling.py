@@ -8,7 +8,7 @@ from conftest import BODIES
 
 import explorer as ex
 from explorer.phase.falling_set import obstacle
-from explorer.phase.lines import Motion
+from explorer.phase.linear_constants import Motion
 from kernels.disk import falling
 from kernels.disk.falling import Barrier, Membership, OnF
 

@@ -9,7 +9,7 @@ from conftest import BODIES
 from passing import batch, draw
 
 import explorer as ex
-from explorer.motion.falls import departures_of_moving, falls_as_arcs
+from explorer.motion.fall_integrals import departures_of_moving, falls_as_arcs
 from kernels._jit import numba_type
 from kernels.disk.body import Body
 from kernels.near_flat import passages

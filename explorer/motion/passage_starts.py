@@ -6,11 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.disk import LARGEST_RATE, Disk, require_axial_inertia
 from explorer.phase.states import Array
 
-# Of speeds and eta_hat, natural units: squares overflow above, eta = I3 r(0) eta_hat loses digits below.
-LARGEST, SMALLEST = 1e100, 1e-302
+SMALLEST = 1e-302  # of eta_hat, natural units: below, eta = I3 r(0) eta_hat loses digits
 
 
 class VerticalStarts(NamedTuple):
@@ -41,7 +40,7 @@ def starts_at_vertical(disk: Disk, sigma3_bar: Array, eta_hat: Array, speed: Arr
     """
     require_axial_inertia(disk)
     code, unit = compiled.status.Status, disk.rate_unit
-    good = np.fmax(np.fmax(abs(sigma3_bar), abs(speed)), abs(eta_hat)) <= LARGEST * unit
+    good = np.fmax(np.fmax(abs(sigma3_bar), abs(speed)), abs(eta_hat)) <= LARGEST_RATE * unit
     good &= ~(np.isnan(sigma3_bar) | np.isnan(eta_hat) | np.isnan(speed)) & (speed >= 0.0) & (abs(face) == 1.0)
     lost = good & (eta_hat != 0.0) & (abs(eta_hat) < SMALLEST * unit)
     status = np.where(good, np.where(lost, code.UNRESOLVED_SIDE, code.OK), code.BAD_INPUT).astype(np.int8)
@@ -53,8 +52,3 @@ def starts_at_vertical(disk: Disk, sigma3_bar: Array, eta_hat: Array, speed: Arr
         np.where(good, face, 1.0),
         status,
     )
-
-
-def depth(phi: float) -> float:
-    """How far the tilt phi (rad) is below the vertical, in x = ln tan(theta/2)."""
-    return float(np.arctanh(np.sin(phi)))

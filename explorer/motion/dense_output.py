@@ -12,12 +12,19 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError
-from explorer.motion import precision
+from explorer.motion.error_estimates import (
+    accepted,
+    amplified_at,
+    error_of,
+    in_race,
+    less_where_amplified,
+    rounding_of_path,
+)
 from explorer.motion.integration import Followed, InitialValues, follow, follow_accurately
 from explorer.motion.plan import PATH, Plan
 from explorer.motion.starts import status_at_start
 from explorer.motion.threads import blocks, in_parts
-from explorer.phase.lines import motion_through
+from explorer.phase.linear_constants import motion_through
 from explorer.phase.states import Array, States
 
 # Chords of such arcs of the rim stay within half a per cent of the radius.
@@ -69,16 +76,16 @@ def _sample(given: InitialValues, times: Array) -> tuple[Array, Outcome, Initial
         out, none = np.empty((n, 0, 10)), np.where(given.status == code.OK, 0.0, np.nan)
         outcome = Outcome(given.status.copy(), np.zeros(n, np.int32), np.tile(none, (3, 1)), none)
     else:
-        amplified, seen = precision.amplified_at(disk, how, given.initial, start, last)
-        given, asked = given.finer(precision.less_where_amplified(how, amplified)), precision.asked(how, last)
+        amplified, seen = amplified_at(disk, how, given.initial, start, last)
+        given, asked = given.finer(less_where_amplified(how, amplified)), accepted(how, last)
 
         def estimate(found: Followed, rows: Any) -> Array:
-            return precision.estimate(disk, how, found.moved, found.out[:, -1].T, seen[rows], last)
+            return error_of(disk, how, found.moved, found.out[:, -1].T, seen[rows], last)
 
         found, error, given = follow_accurately(given, compiled.events.TIME, later, estimate, asked)
         out, ended = found.out, np.ascontiguousarray(found.out[:, -1].T)
         if how.level == PATH:
-            rounded = precision.rounding_of_path(disk, start.energy, found.steps, last)
+            rounded = rounding_of_path(disk, start.energy, found.steps, last)
             followed = np.isin(found.status, [code.OK, code.STEP_LIMIT])
             found.status[followed & (rounded > asked)] = code.STEP_TOO_SMALL
             error = error + rounded
@@ -86,7 +93,7 @@ def _sample(given: InitialValues, times: Array) -> tuple[Array, Outcome, Initial
         then, plus = motion_through(disk, ended[:5]), start.nearer_plus
         energy = then.energy / start.energy - 1.0
         moved = np.stack([energy, then.sigma3_bar - start.sigma3_bar, then.eta(plus) - start.eta(plus)])
-        outcome = Outcome(found.status, found.steps, moved, precision.in_race(disk, ended, error))
+        outcome = Outcome(found.status, found.steps, moved, in_race(disk, ended, error))
     if later.size < times.size:
         out = np.concatenate([given.initial.T[:, None], out], axis=1)
     out[outcome.status != code.OK] = np.nan

@@ -17,7 +17,7 @@ from explorer.motion.plan import PATH, Plan
 from explorer.motion.starts import arc_starts
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
-from explorer.phase.lines import Motion
+from explorer.phase.linear_constants import Motion
 from explorer.phase.states import Array, Rows
 
 PASSAGE = 2.0  # units of time that a passage takes: errors add up over them
@@ -58,7 +58,7 @@ def amplification(speed: Array) -> Array:
     return np.asarray(np.fmax(1.0 + _SLOW / (speed + _LEAST_SPEED), 1.0))
 
 
-def estimate(disk: Disk, how: Plan, moved: Array, ended: Array, amplified: Array, time: float) -> Array:
+def error_of(disk: Disk, how: Plan, moved: Array, ended: Array, amplified: Array, time: float) -> Array:
     """Of angles and times (n) after a time, outside of races, at states (10, n); moved (3, n): as `engine.Moved`.
 
     Infinite of motions that run free: nothing tells it.
@@ -75,7 +75,7 @@ def estimate(disk: Disk, how: Plan, moved: Array, ended: Array, amplified: Array
     return np.asarray(amplified * (measured + _ROUNDING * passages) + SHARE * how.accuracy * passages)
 
 
-def asked(how: Plan, time: float) -> float:
+def accepted(how: Plan, time: float) -> float:
     """The error that motions may have at a time."""
     return math.inf if how.setting is not None else how.accuracy * max(1.0, time / PASSAGE)
 

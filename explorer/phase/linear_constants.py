@@ -1,4 +1,4 @@
-"""The lines l_+ and l_-, on which motions may fall, and the distance from them: sigma3_bar, eta and eta_hat.
+"""The linear constants of motions, sigma3_bar, eta and eta_hat, and the lines l_+ and l_- where an eta is zero.
 
 A motion that stays beside flat has three linear constants: sigma3_bar, eta_plus and eta_minus. They hang
 together by eta_plus + eta_minus = 2 I1 r'(0) sigma3_bar, eq. (6.2), and eta_plus vanishes on l_+, eq. (6.1).
@@ -68,30 +68,11 @@ def motion_given(disk: Disk, sigma3_bar: Array, eta_hat: Array, plus: NDArray[np
     return Motion(sigma3_bar, *etas, np.full(sigma3_bar.size, np.nan), none, none)
 
 
-class LineChart(NamedTuple):
-    """At given tilts, the linear map from (sigma3_bar, eta_hat of face +1) to (sigma3, sigma4).
-
-    Its determinant is -1 at every tilt, so that dsigma3 dsigma4 = dsigma3_bar deta_hat. Eqs (3.5), (6.2).
-    """
-
-    bar_to_sigma3: Array
-    eta_hat_to_sigma3: Array
-    bar_to_sigma4: Array
-    eta_hat_to_sigma4: Array
-
-    def rates(self, sigma3_bar: Any, eta_hat: Any) -> tuple[Array, Array]:
-        """sigma3 and sigma4, in natural units if the arguments are."""
-        return (
-            self.bar_to_sigma3 * sigma3_bar + self.eta_hat_to_sigma3 * eta_hat,
-            self.bar_to_sigma4 * sigma3_bar + self.eta_hat_to_sigma4 * eta_hat,
-        )
-
-
-def line_chart(disk: Disk, q: Array, z: Array) -> LineChart:
+def line_chart(disk: Disk, q: Array, z: Array) -> "compiled.falling.LineChart[Array]":
     """The chart where cos phi = q and sin phi = z, arrays of one length. Needs I3 > 0."""
     rows = np.empty((4, q.size))
     compiled.falling.line_chart_batch(np.ascontiguousarray(q), np.ascontiguousarray(z), disk.natural, rows)
-    return LineChart(*rows)
+    return compiled.falling.LineChart(*rows)
 
 
 def line_slope(disk: Disk) -> float:

@@ -7,7 +7,7 @@ from motions import trajectories
 from scipy.optimize import brentq
 
 import explorer as ex
-from explorer.motion import recording
+from explorer.motion import dense_output
 from explorer.paper import eight_dimensions as plain_disk
 
 ETAS = np.array([1e-1, -1e-2, 1e-3, -1e-4, 1e-6, -1e-8, 1e-10, -1e-12, 1e-100, -1e-300])
@@ -25,7 +25,7 @@ def raced():
 def test_chi_never_turns_by_more_than_a_fifth_between_two_times_at_any_distance_from_f(raced):
     for motion in raced:
         assert (motion.status == 0).all()
-        assert (abs(np.diff(motion.chi)) <= recording.LONGEST_ANGLE).all()
+        assert (abs(np.diff(motion.chi)) <= dense_output.LONGEST_ANGLE).all()
     # Three races that take a millionth of the motion need few times.
     assert raced[0].lengths[4] < 2000
     # Three races, three falls
@@ -40,7 +40,7 @@ def test_so_it_is_for_other_bodies_and_for_fixed_steps(name, method):
     states = ex.constants_to_states(disk, 0.7 * unit, [1e-2 * unit, -1e-9 * unit], unit)
     motion = ex.simulate(states, 8.0 / unit, accuracy=1e-4, method=method)
     assert (motion.status == 0).all()
-    assert abs(np.diff(motion.chi)).max() <= recording.LONGEST_ANGLE
+    assert abs(np.diff(motion.chi)).max() <= dense_output.LONGEST_ANGLE
     assert (np.diff(motion.t) >= 0.0).all()
     np.testing.assert_allclose(motion.t[:, [0, -1]], [[0.0, 8.0 / unit]] * 2, rtol=1e-15)
 
@@ -124,7 +124,7 @@ def test_any_number_of_threads_gives_the_same_numbers(t_eval):
 
 
 def test_curves_that_would_fill_the_memory_are_refused(monkeypatch):
-    monkeypatch.setattr(recording, "MOST_POINTS", 5000)
+    monkeypatch.setattr(dense_output, "MOST_POINTS", 5000)
     states = ex.phi_to_states(BODIES["uniform"], 0.2, 1.0, 1.0, [0.3] * 4)
     assert ex.simulate(states, 5.0).t.size < 5000
     with pytest.raises(ex.InputError, match="give t_eval, fewer states or a smaller t_end"):

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from explorer.errors import InputError
-from explorer.phase.paths import read_toml, writing
+from explorer.paths import read_toml, writing
 
 
 @pytest.mark.parametrize(

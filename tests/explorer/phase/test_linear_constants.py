@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import explorer as ex
-from explorer.phase.lines import line_chart, line_slope, motion_given, nearer_plus, other_eta_hat
+from explorer.phase.linear_constants import line_chart, line_slope, motion_given, nearer_plus, other_eta_hat
 
 SLOPES = {"uniform": 0.7285923160189477, "hoop": 0.6761665138414456, "matching": 0.7079432039590211}
 

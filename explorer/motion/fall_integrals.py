@@ -7,28 +7,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.arcs import PIECE, arcs_between, by_rules, from_place, integrals, places
-from explorer.motion.vertical import depth
+from explorer.motion.arcs import PIECE, arcs_between, by_rules, depth, from_place, integrals, places
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
-from explorer.phase.lines import line_slope, rows_of
+from explorer.phase.linear_constants import line_slope, rows_of
 from explorer.phase.states import Array
 
-KERNELS = (
-    "passages.fall_batch",
-    *("turning_points.point_batch", "turning_points.rest_batch", "rules.arc_batch"),
-)  # for `compiled.warmup`
+# For `compiled.warmup`
+KERNELS = "passages.fall_batch", "turning_points.point_batch", "turning_points.rest_batch", "rules.arc_batch"
 OF_FALL = 0.1  # of the accuracy of a race, for the fall that is taken from a passage
 _COARSE = 1e-6 * (1.0 - 1e-9)  # the least accuracy of coarse tables; a power of ten may be rounded down
 _ROUNDING = 4.0 * 2.2e-16  # of a difference, for each unit of its terms
 _BEST = 1e-15  # of an accuracy: no answer is better
-# Rows of doubles whose lengths are multiples of this displace one another in the cache.
-_ALIKE = 512
-
-
-def rows_apart(rows: int, n: int) -> Array:
-    """Room for results: n in each row, or a few more where rows would displace one another in the cache."""
-    return np.empty((rows, n + 8 if n % _ALIKE == 0 else n))
 
 
 def fall_from_vertical(
@@ -49,18 +39,17 @@ def fall_integrals(
     is. What lacks energy to be at the vertical falls from rest below it.
     """
     n, most = departures.level.size, max(0.5 * OF_FALL * accuracy, _BEST)
-    out = rows_apart(4, n)
-    out.fill(np.nan)
+    out = np.full((4, n), np.nan)
 
     def left() -> NDArray[np.intp]:
-        return np.flatnonzero(~(out[3, :n] <= most) & (departures.level > 0.0))
+        return np.flatnonzero(~(out[3] <= most) & (departures.level > 0.0))
 
     if edge == 0.0:
         by_tables(disk, compiled.passages.fall_batch, departures, accuracy, left, out)
     rows = left()
     if rows.size:
         out[:, rows] = falls_as_arcs(disk, departures, rows, edge, most)
-    return compiled.passages.FallRow(*out[:, :n])
+    return compiled.passages.FallRow(*out)
 
 
 def by_tables(
@@ -82,9 +71,9 @@ def by_tables(
         if rows.size == motions[0].size:
             kernel(motions, tables, disk.natural, out)
             continue
-        found = rows_apart(out.shape[0], rows.size)
+        found = np.empty((len(out), rows.size))
         kernel(rows_of(motions, rows), tables, disk.natural, found)
-        out[:, rows] = found[:, : rows.size]
+        out[:, rows] = found
 
 
 @np.errstate(invalid="ignore")  # of motions that stay where they are

@@ -5,7 +5,7 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.motion.vertical import starts_at_vertical
+from explorer.motion.passage_starts import starts_at_vertical
 
 
 def test_bad_input_is_flagged_sample_by_sample():
