@@ -1,6 +1,6 @@
 """Turning points, where motions stop tilting: the next by integration, and the smallest tilt by either method."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -61,13 +61,14 @@ def turning_points(states: States, how: Plan, tilts_only: bool = False) -> Turni
         hidden = ended[compiled.field.ROW.t] > precision.LINGERS
         if how.adaptive:
             hidden |= found.steps <= precision.FEW
-        return np.where(hidden, np.inf, error)
+        error[hidden] = np.inf
+        return error
 
     event, asked = compiled.events.TURNING_POINT, precision.asked(how, 0.0)
     found, error, _ = integration.follow_accurately(given, event, np.zeros(1), estimate, asked)
     error[found.status != compiled.status.Status.OK] = np.nan
     row, out = compiled.field.ROW, found.out[:, 0].T
-    face = np.where(out[row.z] >= 0.0, 1, -1).astype(np.int8)
+    face = np.where(out[row.z] >= 0.0, np.int8(1), np.int8(-1))
     turned = out[row.rho], out[row.t], out[row.chi], out[row.psi]
     return TurningPoints(tilt_of(out), face, *turned, found.status, found.steps, error)
 
@@ -99,10 +100,11 @@ def turning_points_around(
 ) -> tuple[TurningPoints, TurningPoints]:
     """The next turning points and those before; a state at rest is the one before itself."""
     ahead, behind = (turning_points(each, how, tilts_only) for each in (states, states.reversed()))
-    none, rest = np.zeros(len(states)), states.rows.p == 0.0
-    own = {"theta": tilt_of(states.natural), "face": face_of(states)}
-    own |= dict.fromkeys(("time", "chi", "psi", "error"), none)
-    return ahead, replace(behind, **{name: np.where(rest, v, getattr(behind, name)) for name, v in own.items()})
+    rest = np.flatnonzero(states.rows.p == 0.0)
+    own = {"theta": tilt_of(states.natural[:, rest]), "face": face_of(states.at(rest))}
+    for name, values in (own | dict.fromkeys(("time", "chi", "psi", "error"), 0.0)).items():
+        getattr(behind, name)[rest] = values
+    return ahead, behind
 
 
 def smallest_tilts(states: States, count: int, accuracy: float) -> tuple[Array, NDArray[np.int8]]:
