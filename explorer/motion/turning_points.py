@@ -61,8 +61,7 @@ def turning_points(states: States, how: Plan, tilts_only: bool = False) -> Turni
         hidden = ended[compiled.field.ROW.t] > precision.LINGERS
         if how.adaptive:
             hidden |= found.steps <= precision.FEW
-        error[hidden] = np.inf
-        return error
+        return np.where(hidden, np.inf, error)
 
     event, asked = compiled.events.TURNING_POINT, precision.asked(how, 0.0)
     found, error, _ = integration.follow_accurately(given, event, np.zeros(1), estimate, asked)
@@ -101,9 +100,9 @@ def turning_points_around(
     """The next turning points and those before; a state at rest is the one before itself."""
     ahead, behind = (turning_points(each, how, tilts_only) for each in (states, states.reversed()))
     rest = np.flatnonzero(states.rows.p == 0.0)
-    own = {"theta": tilt_of(states.natural[:, rest]), "face": face_of(states.at(rest))}
-    for name, values in (own | dict.fromkeys(("time", "chi", "psi", "error"), 0.0)).items():
-        getattr(behind, name)[rest] = values
+    behind.theta[rest], behind.face[rest] = tilt_of(states.natural[:, rest]), face_of(states.at(rest))
+    for values in (behind.time, behind.chi, behind.psi, behind.error):
+        values[rest] = 0.0
     return ahead, behind
 
 

@@ -105,7 +105,7 @@ class FromStates(FromDensity):
         follows=lambda self, given: given and given.of_degrees(self.degrees),
     )
 
-    drawn_at_once: ClassVar[int] = 1 << 14  # other samples come of another number
+    drawn_at_once: ClassVar[int] = 1 << 14  # another number would give other samples
 
     def __post_init__(self) -> None:
         super().__post_init__()

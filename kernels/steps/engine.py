@@ -123,9 +123,8 @@ def leave(work: Work, W: Vector, sweeps: int, look: bool) -> None:
         if note != lanes.THROUGH:
             work.status[j] = _NOT_FINITE if note == BROKEN else _TOO_SMALL if note == STUCK else _STEP_LIMIT
         elif not math.isnan(W[lanes.X_HELD * LANES + i]):
-            total = W[lanes.ENERGY * LANES + i]
-            work.moved[0, j] = W[lanes.LARGEST * LANES + i] / total
-            work.moved[1, j] = W[lanes.REMOVED * LANES + i] / total
+            work.moved[0, j] = W[lanes.LARGEST * LANES + i] / W[lanes.ENERGY * LANES + i]
+            work.moved[1, j] = W[lanes.REMOVED * LANES + i] / W[lanes.ENERGY * LANES + i]
             work.moved[2, j] = W[lanes.MOVED * LANES + i] / W[lanes.UNIT * LANES + i]
         W[lanes.SAMPLE * LANES + i] = -1.0
 
