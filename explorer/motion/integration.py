@@ -107,7 +107,8 @@ def follow_accurately(
 
     def unsettled() -> NDArray[np.intp]:
         error[found.status == lost] = np.inf  # steps so long that a motion runs away
-        return np.flatnonzero(((found.status == ok) | (found.status == lost)) & ~(error <= asked))
+        rows = np.flatnonzero(~(error <= asked))
+        return rows[np.isin(found.status[rows], (ok, lost))]
 
     if given.plan.setting is None:
         for _ in range(_RUNS):

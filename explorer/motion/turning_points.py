@@ -1,6 +1,6 @@
 """Turning points, where motions stop tilting: the next by integration, and the smallest tilt by either method."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -77,7 +77,7 @@ def turning_points(states: States, how: Plan, tilts_only: bool = False) -> Turni
     found, error, _ = integration.follow_accurately(given, event, np.zeros(1), estimate, asked)
     error[found.status != compiled.status.Status.OK] = np.nan
     row, out = compiled.field.ROW, found.out[:, 0].T
-    face = np.where(out[row.z] >= 0.0, 1, -1).astype(np.int8)
+    face = np.where(out[row.z] >= 0.0, np.int8(1), np.int8(-1))
     turned = out[row.rho], out[row.t], out[row.chi], out[row.psi]
     return TurningPoints(tilt_of(out), face, *turned, found.status, found.steps, error)
 
@@ -109,10 +109,11 @@ def turning_points_around(
 ) -> tuple[TurningPoints, TurningPoints]:
     """The next turning points and those before; a state at rest is the one before itself."""
     ahead, behind = (turning_points(each, how, tilts_only) for each in (states, states.reversed()))
-    none, rest = np.zeros(len(states)), states.rows.p == 0.0
-    own = {"theta": tilt_of(states.natural), "face": face_of(states)}
-    own |= dict.fromkeys(("time", "chi", "psi", "error"), none)
-    return ahead, replace(behind, **{name: np.where(rest, v, getattr(behind, name)) for name, v in own.items()})
+    rest = np.flatnonzero(states.rows.p == 0.0)
+    behind.theta[rest], behind.face[rest] = tilt_of(states.natural[:, rest]), face_of(states.at(rest))
+    for values in (behind.time, behind.chi, behind.psi, behind.error):
+        values[rest] = 0.0
+    return ahead, behind
 
 
 def smallest_tilts(states: States, count: int, accuracy: float) -> tuple[Array, NDArray[np.int8]]:

@@ -170,7 +170,9 @@ class States(WithStatus):
         """
         natural = self.natural.copy()
         Rows(*natural).p[:] *= -1.0
-        return States(self.disk, natural, self.status.copy(), self.given, self.shape)
+        turned = States(self.disk, natural, self.status.copy(), self.given, self.shape)
+        turned.__dict__["motion"] = self.motion  # the same constants, which are known already
+        return turned
 
 
 def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike) -> States:

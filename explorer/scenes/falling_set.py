@@ -182,7 +182,7 @@ class FallingSet(FromStates):
             return super().chunk(index)
         n, tally = self.length(index), FallingCounts()
         random = chunk_stream(self.seed, index)
-        found = sifting.sift(self.disk, self.box, random, (n, self.states_at_once), self.tube * _WIDER)
+        found = sifting.sift(self.disk, self.box, random, (n, self.drawn_at_once), self.tube * _WIDER)
         table = self.observe(Block(phi_to_states(self.disk, **found.columns), found.columns, {}))
         tally.faces += found.faces
         tally.could_fall, tally.distance = found.could_fall, found.distance

@@ -14,7 +14,7 @@ from explorer.phase.disk import SYNTAX, Disk, require_axial_inertia
 from explorer.phase.states import Array, States
 from explorer.scenes.given_states import Block, GivenStates, coordinates_of
 from explorer.scenes.options import DENSITY, DISK, GAUSSIANS, OPEN_RANGE, RANGES, TRUTH, Reader, option
-from explorer.scenes.scene import SAMPLES, SampledScene, Table
+from explorer.scenes.scene import SAMPLES, SampledScene, Table, joined
 
 _LOOKED_AT = 1_000_000  # rows of given states, when those are named that are none
 # In natural units: where doubles still have all their digits, and where "near F" loses its meaning.
@@ -105,7 +105,7 @@ class FromStates(FromDensity):
         follows=lambda self, given: given and given.of_degrees(self.degrees),
     )
 
-    states_at_once: ClassVar[int] = 1 << 14  # intermediate arrays stay in a processor's cache
+    drawn_at_once: ClassVar[int] = 1 << 14  # another number would give other samples
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -133,12 +133,13 @@ class FromStates(FromDensity):
         given = None
         if self.states is not None:
             given = self.states.read(self.disk, index * self.chunk_size, count)
-        for first in range(0, count, self.states_at_once):
-            size = min(self.states_at_once, count - first)
+        for first in range(0, count, self.block):
+            size = min(self.block, count - first)
             if given is not None:
                 yield given.at(np.arange(first, first + size))
             else:
-                columns = self.draw(random, size)
+                parts = range(0, size, self.drawn_at_once)
+                columns = joined([self.draw(random, min(self.drawn_at_once, size - part)) for part in parts])
                 states = self.box.states(self.disk, columns)
                 known = columns if isinstance(self.box, Box) else coordinates_of(states)
                 yield Block(states, known, {name: columns[name] for name in columns if name not in known})

@@ -19,11 +19,11 @@ MOST_TURNED = 5.0 * math.pi
 
 
 @device
-def first_step(method: int, control: float, unit: float) -> float:
-    """Step to begin with. `control` is the step in units of 1/unit, or the tolerance."""
+def first_step(method: int, control: float, unit: float) -> tuple[float, float]:
+    """What attempts take as control, and the first step, from a step in units of 1/unit or a tolerance."""
     if method in (RK4, RK8):
-        return control / unit
-    return 0.1 / unit
+        return control / unit, control / unit
+    return control, 0.1 / unit
 
 
 @device
@@ -45,17 +45,17 @@ def to_depth(x: State, depth: int) -> State:
 
 @device
 def rk4_attempt(depth: int, x: State, h: float, control: float, unit: float, b: Body) -> Attempt:
-    """One step; alike below. control: the step in units of 1/unit, or the tolerance.
+    """One step; alike below. control: the step, or the tolerance.
 
     Call with constant depth: the compiler then drops what the depth does not need.
     """
-    return to_depth(rk4_step(x, h, b), depth), True, control / unit
+    return to_depth(rk4_step(x, h, b), depth), True, control
 
 
 @device
 def rk8_attempt(depth: int, x: State, h: float, control: float, unit: float, b: Body) -> Attempt:
     y, _fifth, _third = eighth_order_step(x, h, b)
-    return to_depth(y, depth), True, control / unit
+    return to_depth(y, depth), True, control
 
 
 @device

@@ -66,7 +66,7 @@ class Moved(NamedTuple):
 
 
 class Progress(NamedTuple):
-    """How far the work is: the next sample, how many lanes are busy, and when one of them runs out of steps."""
+    """How far the work is: the next sample, how many lanes are busy, and after which sweep all are looked at."""
 
     upcoming: int
     busy: int
@@ -83,16 +83,17 @@ def begin(work: Work, j: int, W: Vector, i: int, sweeps: int, b: Body) -> None:
     unit = pace(x, b)
     write(W, NOW, i, x)
     W[lanes.ENERGY * LANES + i], W[lanes.UNIT * LANES + i] = energy(x, b), unit
-    W[lanes.CONTROL * LANES + i], W[lanes.STEP * LANES + i] = control, first_step(work.method, control, unit)
+    W[lanes.CONTROL * LANES + i], W[lanes.STEP * LANES + i] = first_step(work.method, control, unit)
     W[lanes.NEXT * LANES + i], W[lanes.SAMPLE * LANES + i] = work.values[0], j
     W[lanes.MET * LANES + i], W[lanes.SINCE * LANES + i] = 0.0, sweeps
     W[lanes.LARGEST * LANES + i] = W[lanes.REMOVED * LANES + i] = W[lanes.MOVED * LANES + i] = 0.0
 
 
 @subroutine
-def fill(work: Work, W: Vector, upcoming: int, sweeps: int, b: Body) -> Progress:
-    """Samples from `upcoming` on into the lanes that are empty."""
-    status, busy, oldest = work.status, 0, sweeps
+def fill(work: Work, W: Vector, place: Progress, sweeps: int, b: Body) -> Progress:
+    """The next samples into the lanes that are empty."""
+    upcoming, busy, status, look = place.upcoming, 0, work.status, sweeps >= place.due
+    due = sweeps + min(work.max_steps, _LOOK) if look else place.due
     for i in range(LANES):
         if W[lanes.SAMPLE * LANES + i] < 0.0:
             while upcoming < status.size and status[upcoming] != _OK:
@@ -102,28 +103,28 @@ def fill(work: Work, W: Vector, upcoming: int, sweeps: int, b: Body) -> Progress
                 continue
             begin(work, upcoming, W, i, sweeps, b)
             upcoming += 1
-        busy, oldest = busy + 1, min(oldest, int(W[lanes.SINCE * LANES + i]))
-    return Progress(upcoming, busy, min(oldest + work.max_steps, sweeps + _LOOK))
+        elif look:
+            due = min(due, int(W[lanes.SINCE * LANES + i]) + work.max_steps)
+        busy += 1
+    return Progress(upcoming, busy, due)
 
 
 @subroutine
-def leave(work: Work, W: Vector, sweeps: int) -> None:
-    """Take the samples that have ended out of their lanes."""
+def leave(work: Work, W: Vector, sweeps: int, look: bool) -> None:
+    """Take the samples that have ended out of their lanes; look: also those that take too long."""
     for i in range(LANES):
-        j, note = int(W[lanes.SAMPLE * LANES + i]), W[lanes.NOTE * LANES + i]
-        if j < 0:
+        note = W[lanes.NOTE * LANES + i]
+        if note == NOTHING and not look:
             continue
-        spent = sweeps - int(W[lanes.SINCE * LANES + i])
-        through = W[lanes.MET * LANES + i] == work.values.size
-        if not through and note != BROKEN and note != STUCK and spent < work.max_steps and work.status[j] == _OK:
+        j, spent = int(W[lanes.SAMPLE * LANES + i]), sweeps - int(W[lanes.SINCE * LANES + i])
+        if j < 0 or (note == NOTHING and spent < work.max_steps and work.status[j] == _OK):
             continue
         work.steps[j] = spent
-        if not through:
+        if note != lanes.THROUGH:
             work.status[j] = _NOT_FINITE if note == BROKEN else _TOO_SMALL if note == STUCK else _STEP_LIMIT
         elif not math.isnan(W[lanes.X_HELD * LANES + i]):
-            total = W[lanes.ENERGY * LANES + i]
-            work.moved[0, j] = W[lanes.LARGEST * LANES + i] / total
-            work.moved[1, j] = W[lanes.REMOVED * LANES + i] / total
+            work.moved[0, j] = W[lanes.LARGEST * LANES + i] / W[lanes.ENERGY * LANES + i]
+            work.moved[1, j] = W[lanes.REMOVED * LANES + i] / W[lanes.ENERGY * LANES + i]
             work.moved[2, j] = W[lanes.MOVED * LANES + i] / W[lanes.UNIT * LANES + i]
         W[lanes.SAMPLE * LANES + i] = -1.0
 
@@ -145,7 +146,7 @@ def collect(work: Work, W: Vector, arrived: Vector, waiting: int) -> int:
             W[lanes.NEXT * LANES + i] = following
             before, after = level(read(W, BEFORE, i), work.event), level(read(W, NOW, i), work.event)
             if not crossed(before, after, following):
-                W[lanes.NOTE * LANES + i] = NOTHING
+                W[lanes.NOTE * LANES + i] = lanes.THROUGH if met == values.size else NOTHING
     return waiting
 
 
@@ -197,7 +198,7 @@ def follow(
     """
     (W, arrived), b = room, disk.body
     sweeps = waiting = 0
-    place = fill(work, W, 0, 0, b)
+    place = fill(work, W, Progress(0, 0, 0), 0, b)
     while place.busy > 0:
         if history.most > 0:
             shorten(history, W, b)
@@ -211,8 +212,8 @@ def follow(
             while waiting == LANES:
                 locate_all(attempt, depth, work, arrived, waiting, whole, b)
                 waiting = collect(work, W, arrived, 0)
-            leave(work, W, sweeps)
-            place = fill(work, W, place.upcoming, sweeps, b)
+            leave(work, W, sweeps, sweeps >= place.due)
+            place = fill(work, W, place, sweeps, b)
     locate_all(attempt, depth, work, arrived, waiting, whole, b)
 
 

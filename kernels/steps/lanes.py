@@ -38,8 +38,8 @@ NOW, BEFORE = 0, 10  # states: after and before the latest attempted step
     SAMPLE, MET, SINCE,
 ) = range(20, 36)  # fmt: skip
 ROWS = 36
-# notes of a sweep on a lane
-NOTHING, HIT, BROKEN, STUCK = 0.0, 1.0, 2.0, 3.0
+# notes of a sweep on a lane; THROUGH: it has met all of its values
+NOTHING, HIT, BROKEN, STUCK, THROUGH = 0.0, 1.0, 2.0, 3.0, 4.0
 # Shares of the energy: kinetic energy below which p is left alone, and the most that p is corrected by.
 _MOVING, _SMALL = 0.01, 0.01
 
