@@ -59,15 +59,11 @@ def call(options: argparse.Namespace) -> Answer:
     if out.exists() and not (out.is_dir() and {path.name for path in out.iterdir()} <= own):
         raise InputError(f"out {out}: is not empty and holds no earlier demo; give another folder")
     scenes = [scene_class(name).of({"seed": given.seed, **options}) for name, options, _ in _STEPS]
-    methods, title = _COMPARED
+    methods, compared = _COMPARED
     called = [bounce_kernels(plan(("race_angle",), 1e-3, method)) for method in methods]
     kernels = [name for names in (*called, *(scene.kernels for scene in scenes)) for name in names]
     compiled.warmup(kernels, lambda text: note(text, quiet))  # all at once
-    states = FallingSet.of({}).first_states(STATES)
-    note(f"\n{title}", quiet)
-    found = compare(states, methods, accuracy=1e-3, jobs=given.jobs)
-    note(str(found), quiet)
-    summaries, parts = dict[str, Any](), [(title, ["```text", str(found), "```"], list[Path]())]
+    summaries, parts = dict[str, Any](), list[tuple[str, list[str], list[Path]]]()
     how = {"jobs": given.jobs, "format": "png", "exist": "replace", "progress": not quiet}
     for scene, (name, _, title) in zip(scenes, _STEPS, strict=True):
         note(f"\n{title}", quiet)
@@ -75,6 +71,10 @@ def call(options: argparse.Namespace) -> Answer:
         summaries[name], lines = run.summary, run.headline
         note("\n".join(f"  {line}" for line in lines), quiet)
         parts.append((title, [f"- {line}" for line in lines], sorted((out / name / "figures").glob("*.png"))))
+    note(f"\n{compared}", quiet)
+    found = compare(FallingSet.of({}).first_states(STATES), methods, accuracy=1e-3, jobs=given.jobs)
+    note(str(found), quiet)
+    parts.append((compared, ["```text", str(found), "```"], []))
     made_by = f"`{options.command_line}`. The numbers are in each `summary.json`."
     write_page(out, "What `nearflat demo` found", made_by, parts)
     return Answer(summaries, f"Pictures and numbers are in {out}; start with {out / PAGE}.")
