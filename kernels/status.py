@@ -52,7 +52,7 @@ _TEXTS = {
     Status.BAD_INPUT: (
         "The numbers do not describe a state (not finite, too large, already flat, a face other than +1 and -1), "
         "or they start a passage whose energy is too low for the disk to come near flat.",
-        "Give finite numbers below 1e100 natural units, with phi between -pi/2 and pi/2. For a passage, give a "
+        "Give finite numbers below 1e75 natural units, with phi between -pi/2 and pi/2. For a passage, give a "
         "speed towards flat that is not negative, and is large enough to come near flat.",
     ),
     Status.STEP_LIMIT: (

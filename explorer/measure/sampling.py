@@ -29,7 +29,6 @@ _HALF_PI = 0.5 * math.pi
 _ENDS = {
     "phi": (-_HALF_PI, _HALF_PI, "-pi/2 and pi/2"),
     **dict.fromkeys(("theta", "tilt"), (0.0, math.pi, "0 and pi")),
-    "face": (-1.0, 1.0, "-1 and 1"),
 }
 
 
@@ -56,8 +55,10 @@ class Ranges:
             least, most, words = _ENDS.get(name, (-math.inf, math.inf, ""))
             if not (least <= low and high <= most):
                 raise InputError(f"{named} must lie between {words}; where it is in degrees, say so")
-            if name != "face" and low == high and low in (least, most):
+            if low == high and low in (least, most):
                 raise InputError(f"{what} {name} is flat; give a number between {words}")
+            if name == "face" and not (low == high and abs(low) == 1.0):
+                raise InputError(f"{named}: give 1 or -1")
 
     @property
     def free(self) -> list[str]:

@@ -148,7 +148,7 @@ def slice_map(
     points, jobs : int
         Points of each axis, 2 to 4000; threads.
     method : str
-        For theta_min: 'auto' finds the tilt as a root of V = E, eq. (3.8); or the name of an integrator.
+        For theta_min alone: 'auto' finds the tilt as a root of V = E, eq. (3.8); or the name of an integrator.
     degrees : bool
         Whether angles and rates of the slice, and the axes of the map and of its pictures, are in degrees.
 
@@ -160,7 +160,8 @@ def slice_map(
     Raises
     ------
     InputError
-        If the slice cannot be read, or the observable is not known.
+        If the slice cannot be read, if the observable is not known, or if a method is given for another than
+        theta_min.
 
     Examples
     --------
@@ -185,8 +186,10 @@ def slice_map(
         """A root of V = E at a picture's accuracy: ten times as fast as a whole period."""
         return smallest_tilt(some, how)[0]
 
-    by_name = isinstance(observable, str) and observable == "theta_min"
-    found = scan(states, theta_min if by_name else observable, jobs).values
+    alone = isinstance(observable, str) and observable == "theta_min"
+    if not alone and method != "auto":
+        raise InputError(f"method {shown(method)}: is for the observable theta_min alone; leave it out")
+    found = scan(states, theta_min if alone else observable, jobs).values
     # One column, as `bounces` returns it, is one entry for each state.
     values = {name: each[..., 0] if each.shape[2:] == (1,) else each for name, each in found.items()}
     x, y = (

@@ -241,7 +241,7 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     eta_hat = disk.eta_to_eta_hat(float(motion.eta(np.array([nearer > 0]))[0]))
     if abs(eta_hat) > _MEANT * max(1.0, abs(bar)):
         raise InputError(
-            f"limit motion: the state is not on F, but at eta_hat = {eta_hat * disk.rate_unit:.3g}; for the one "
+            f"state_on_f: is not on F, but at eta_hat = {eta_hat * disk.rate_unit:.3g}; for the one "
             "on F use coordinates_to_states(disk, phi=..., phidot=..., sigma3_bar=..., eta_hat=0)"
         )
     # With sigma3_bar = 0 both lines l_+ and l_- meet.

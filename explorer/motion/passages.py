@@ -149,7 +149,7 @@ def passages(
     Returns
     -------
     Passages
-        One entry per sample. Numbers that are not finite or beyond 1e100 natural units, a negative phidot and
+        One entry per sample. Numbers that are not finite or beyond 1e75 natural units, a negative phidot and
         a face other than +1 and -1 have status BAD_INPUT.
 
     Raises

@@ -15,7 +15,7 @@ from explorer.motion.arcs import allowed
 from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of, tilts_by_face
 from explorer.motion.orbits_by_integration import integrated_orbits
 from explorer.motion.plan import Plan, plan
-from explorer.motion.starts import ArcStarts, arc_starts, face_of, status_of_period
+from explorer.motion.starts import ArcStarts, arc_starts, face_of, status_at_start
 from explorer.motion.threads import BLOCK, in_parts
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.results import Result, joined
@@ -115,7 +115,7 @@ M = TypeVar("M", bound=Result)
 
 def of_motions(states: States, jobs: int, call: Callable[[States], M]) -> M:
     """What `call` finds of states that have a period, block by block; the others keep their status."""
-    status = status_of_period(states)
+    status = status_at_start(states)
     rows = np.flatnonzero(status == compiled.status.Status.OK)
     return joined(in_parts(jobs, rows.size, lambda some: call(states.at(rows[some])), BLOCK)).among(rows, status)
 

@@ -32,13 +32,6 @@ def status_at_start(states: States, sided: bool = True) -> NDArray[np.int8]:
     return np.where(unknown, code.UNRESOLVED_SIDE, found.status).astype(np.int8)
 
 
-def status_of_period(states: States) -> NDArray[np.int8]:
-    """The same, and FALLS where an eta is exactly 0: such a motion has no period."""
-    code, motion = compiled.status.Status, states.motion
-    status, zero = status_at_start(states), (motion.eta_plus == 0.0) | (motion.eta_minus == 0.0)
-    return np.where((status == code.OK) & zero, code.FALLS, status).astype(np.int8)
-
-
 def face_of(states: States) -> Array:
     """The face, +1 or -1, in whose hemisphere states are; one that crosses the vertical is in both.
 

@@ -44,7 +44,7 @@ SYNTAX = (
 )
 # I3 may exceed 2 I1 by rounding of doubles.
 _ROUNDING = 1e-12
-LARGEST_RATE = 1e100  # natural units, of all that is given: up to here cubes of rates are numbers
+LARGEST_RATE = 1e75  # natural units, of all that is given: up to here fourth powers of rates are numbers
 
 
 @dataclass(frozen=True, init=False)

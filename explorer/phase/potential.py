@@ -374,7 +374,7 @@ def potential(
     Raises
     ------
     InputError
-        For numbers beyond 1e100, for eta_hat and sigma4_bar together, and for a disk with I3 = 0.
+        For numbers beyond 1e75, for eta_hat and sigma4_bar together, and for a disk with I3 = 0.
 
     References
     ----------

@@ -128,6 +128,7 @@ def steady_motions(
         stable = curvature_of(q, z, turn * q * q, spin, b) > 0.0
         good = (abs(phi) < 0.5 * np.pi) & (abs(down) == 1.0) & np.isfinite(spin) & np.isfinite(radius)
     states = from_rates(disk, np.where(good, angle, np.nan), rate, spin * unit, 0.0, down)
+    good &= states.status == code.OK
     found = SteadyMotions(
         tilt=angle,
         precession=rate,

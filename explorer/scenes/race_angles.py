@@ -192,7 +192,7 @@ class NearF(RaceAngles):
     says = ("{samples:,} passages of the {disks[0][name]} disk; the limit +-kappa pi is {limit:.6f} rad", *_SAYS)
     remedy = (
         "raise eta_hat or change accuracy; in box give phidot of 0 or more, which leads to flat, and rates below "
-        "1e100 natural units"
+        "1e75 natural units"
     )
     name = RaceAngles.name
     blocks = SampledScene.blocks

@@ -154,7 +154,7 @@ class FromStates(FromDensity):
         """How many samples are states; the others are bad input, and in no statistic. Raises RunError for 0."""
         count = sum(status.values()) - status.get("bad_input", 0)
         if not count:
-            remedy = "in box, give rates below 1e100 natural units"
+            remedy = "in box, give rates below 1e75 natural units"
             if self.states is not None:
                 remedy = "in states, give finite numbers, phi between -pi/2 and pi/2 or tilt between 0 and pi"
                 remedy += "" if self.states.degrees else ", or set degrees if they are in degrees"

@@ -104,3 +104,9 @@ def test_the_reduced_flow_preserves_the_measure():
         step = 1e-5 * np.eye(4)
         divergence = sum((rates(y + step[i])[i] - rates(y - step[i])[i]) / 2e-5 for i in range(4))
         assert abs(divergence) < 1e-6
+
+
+def test_a_face_is_one_of_two_and_no_range():
+    for face in ("-1:1", "0.5"):
+        with pytest.raises(ex.InputError, match=r"face = .*: give 1 or -1"):
+            ex.slice_map(ex.Disk.uniform(), f"phi=0:1,phidot=1,sigma3_bar=-2:2,eta_hat=1,face={face}", points=3)

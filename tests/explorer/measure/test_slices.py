@@ -134,3 +134,9 @@ def test_a_map_is_a_table_with_its_axes():
 def test_what_is_no_plane_is_refused_in_words(plane, message):
     with pytest.raises(ex.InputError, match=message):
         ex.slice_map(UNIFORM, plane)
+
+
+def test_a_method_is_for_theta_min_alone():
+    plane = "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"
+    with pytest.raises(ex.InputError, match="method 'dop853': is for the observable theta_min alone"):
+        ex.slice_map(ex.Disk.uniform(), plane, "period", points=3, method="dop853")

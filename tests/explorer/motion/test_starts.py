@@ -4,7 +4,7 @@ import numpy as np
 from conftest import BODIES
 
 import explorer as ex
-from explorer.motion.starts import arc_starts, face_of, status_at_start, status_of_period
+from explorer.motion.starts import arc_starts, face_of, status_at_start
 from explorer.phase.coordinates import constants_to_states
 from explorer.phase.linear_constants import line_slope
 from explorer.phase.states import phi_to_states, theta_to_states
@@ -35,12 +35,18 @@ def test_constants_that_were_given_are_held_and_zero_falls():
     assert states.at(np.array([0])).motion.eta_plus[0] == disk.eta_hat_to_eta(1e-280)
 
 
-def test_an_eta_of_zero_on_either_side_has_no_period_and_no_other_has_none():
-    """At rest upright the disk could not fall, and stays for ever."""
+def test_a_motion_on_a_line_of_f_that_does_not_fall_is_a_motion_like_others():
+    """At rest upright the disk could not fall, and stays for ever. In a well on the line it has a period."""
     disk = BODIES["uniform"]
     states = phi_to_states(disk, [0.0, 0.3, 0.3, np.nan], 0.0, [0.0, 0.0, 1e-3, 0.0], 0.0)
     assert status_at_start(states).tolist() == [OK, FALLS, OK, BAD]
-    assert status_of_period(states).tolist() == [FALLS, FALLS, OK, BAD]
+    on_line = ex.coordinates_to_states(disk, phi=-0.7398, phidot=0.02, sigma3_bar=0.25, eta_hat=0.0)
+    plain = phi_to_states(disk, on_line.phi, on_line.phidot, on_line.sigma3, on_line.sigma4)
+    assert on_line.motion.eta_plus[0] == 0.0 != plain.motion.eta_plus[0]
+    for call in (ex.periods, ex.wander):
+        assert call(on_line).status.tolist() == [OK]
+    np.testing.assert_allclose(ex.periods(on_line).period, ex.periods(plain).period, rtol=1e-9)
+    np.testing.assert_allclose(ex.bounces(on_line, 2).theta_min, ex.bounces(plain, 2).theta_min, rtol=1e-9)
 
 
 def test_without_axial_inertia_motions_run_free():

@@ -59,3 +59,10 @@ def test_numbers_of_any_kind_are_read():
 
     found = ex.circular_rolling(ex.Disk.uniform(), Decimal("0.25"), np.array([2.0]))
     assert found.precession == ex.circular_rolling(ex.Disk.uniform(), 0.25, 2.0).precession
+
+
+def test_a_motion_too_fast_for_states_is_bad_input():
+    found = ex.steady_motions(ex.Disk.uniform(), 0.5, [1.0, 1e150])
+    assert found.status.tolist() == found.states.status.tolist() == [0, 2]
+    assert found.stable.tolist() == [True, False]
+    assert np.isnan(found.spin).tolist() == [False, True]
