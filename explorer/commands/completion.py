@@ -31,7 +31,7 @@ def call(options: argparse.Namespace) -> Answer:
     found = {}
     for name, scene in asked:
         flags = [flag for action in parser_of(name, [scene])._actions for flag in action.option_strings]
-        more = NAMES if name in _OF_SCENES and not scene else ()
-        found[" ".join([name, scene]).strip()] = [*more, *(flag for flag in flags if flag.startswith("--"))]
+        own = [flag for flag in flags if flag.startswith("--")]
+        found[" ".join([name, scene]).strip()] = NAMES if name in _OF_SCENES and not scene else own
     cases = [f'    "{line} "*) words="{" ".join(words)}" ;;' for line, words in found.items()]
     return Answer(found, _SCRIPT.format(cases="\n".join(cases), commands=" ".join(COMMANDS)))

@@ -72,7 +72,7 @@ def call(options: argparse.Namespace) -> Answer:
         note("\n".join(f"  {line}" for line in lines), quiet)
         parts.append((title, [f"- {line}" for line in lines], sorted((out / name / "figures").glob("*.png"))))
     note(f"\n{compared}", quiet)
-    found = compare(FallingSet.of({}).first_states(STATES), methods, accuracy=1e-3, jobs=given.jobs)
+    found = compare(FallingSet.of({}).first_states(STATES, given.seed), methods, accuracy=1e-3, jobs=given.jobs)
     note(str(found), quiet)
     parts.append((compared, ["```text", str(found), "```"], []))
     made_by = f"`{options.command_line}`. The numbers are in each `summary.json`."

@@ -17,8 +17,6 @@ from explorer.scenes.scene import NAMES, Scene, read_scene_file, scene_class
 if TYPE_CHECKING:
     from explorer.runs.run import Run
 
-_APART = ("scene", "command", "command_line", "call", "json", "quiet")  # which are no options of a run
-
 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the scene with its options, and those of its run; also of `nearflat plan`."""
@@ -32,7 +30,8 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
     elif first:
         kind = scene_class(read_scene_file(Path(first))["scene"] if first.endswith(".toml") else first)
         command.description = f"{command.description} {first_line(kind)}"
-        command.epilog = f"example: {command.prog} {first} --disk hoop --out results/mine"
+        command.prog = f"{command.prog} {first}"
+        command.epilog = f"example: {command.prog} --disk hoop --out results/mine"
     kind.add_to(command)
     Settings.add_to(command)
     which = command.add_mutually_exclusive_group()
@@ -47,17 +46,16 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
 
 def given_by(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
     """Scene and keywords from a command line, and from a TOML file where one is named; the command line wins."""
-    given: dict[str, Any] = {"scene": options.scene}
-    said = {key: value for key, value in vars(options).items() if key not in _APART and value is not None}
-    if str(options.scene).endswith(".toml"):
-        given = read_scene_file(Path(options.scene))
-        for each in options_of(scene_class(given["scene"])):
-            if each.name in said:
-                given.pop(key_of(each), None)  # the same option, as run.json calls it
-    given |= said
-    if options.quiet:
-        given["progress"] = False
-    return given.pop("scene"), given
+    name, given = options.scene, dict[str, Any]()
+    if name.endswith(".toml"):
+        given = read_scene_file(Path(name))
+        name = given.pop("scene")
+    kind = scene_class(name)
+    said = kind.said(options) | Settings.said(options)
+    for each in options_of(kind):
+        if each.name in said:
+            given.pop(key_of(each), None)  # the same option, as run.json calls it
+    return name, given | said | ({"progress": False} if options.quiet else {})
 
 
 def shown(run: "Run") -> Answer:

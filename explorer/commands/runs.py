@@ -57,7 +57,7 @@ def _resume(options: argparse.Namespace) -> Answer:
 
 def _summary(options: argparse.Namespace) -> Answer:
     runs = [open(folder) for folder in options.folder]
-    run = runs[0] if len(runs) == 1 else merge(*runs)
+    run = runs[0] if len(runs) == 1 and options.command == "summary" else merge(*runs)
     if run.folder is not None:
         write_json(run.folder / "summary.json", run.summary)
     for each in run.changed():

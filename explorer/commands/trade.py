@@ -5,7 +5,7 @@ import platform
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from explorer.commands import Answer
 from explorer.errors import note, positive
@@ -41,6 +41,8 @@ _COLUMNS = {
 
 class Trading(Options):
     """Passages that start near the falling set at the vertical, and motions in time from the same starts."""
+
+    name: ClassVar[str] = "trade"
 
     disk: Disk = option(DISK, f"disk: {SYNTAX}", default=Disk.uniform())
     # The time of fewer is mostly that of the call.

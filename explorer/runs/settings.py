@@ -15,7 +15,8 @@ from explorer.scenes.scene import Scene, scene_class
 FORMATS, KNOWN_FORMATS = ("png", "svg"), ("png", "svg", "pdf")
 # What a run in memory may draw: some hundred megabytes where all rows are kept.
 MOST_IN_MEMORY = 1_000_000
-_WORDS = ("scene", "help", "json", "command")  # of records and of the command line, beside those of options
+# Of records and of the command line, beside those of options
+_WORDS = ("scene", "help", "json", "quiet", "resume", "replace", "command", "command_line", "call")
 
 
 def read_formats(name: str, value: Any) -> tuple[str, ...]:

@@ -127,7 +127,6 @@ def make_chunk(scene: Scene, index: int, identity: str, folder: Path | None) -> 
     """Compute a chunk, and write it where there is a folder; and in which status its samples ended."""
     table, tally = scene.chunk(index)
     arrow = as_arrow(scene, table)
-    arrow.select(list(scene.columns))  # fails where one is missing
     read = {name: _values(arrow.column(name)) for name in table if table[name].dtype.kind not in "fiub"}
     note: dict[str, Any] = {"index": index, "identity": identity, "samples": scene.length(index)}
     note["tally"] = tally.state()

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from joblib import Parallel, delayed
 
-from explorer.errors import InputError, RunError
+from explorer.errors import RunError
 from explorer.runs import folder as folders
 from explorer.runs.interrupt import SIGNALS, withheld
 from explorer.runs.settings import Settings
@@ -58,14 +58,13 @@ def compute(scene: Scene, known: dict[str, Any], folder: Path | None, index: int
         raise RunError(
             f"chunk {index}: {scene.length(index):,} samples do not fit into memory; give a smaller chunk_size"
         ) from None
-    except (InputError, RunError):
-        raise
     except Exception as error:  # of a user's scene; joblib's threads lose the line that raised it
-        raised = traceback.extract_tb(error.__traceback__)
         file = getattr(sys.modules[type(scene).__module__], "__file__", None)
-        at = [*raised, *(each for each in raised if each.filename == file)][-1]
-        where = f"scene {scene.name}: {at.filename}, line {at.lineno}, in {at.name}"
-        raise RunError(f"{where}: {type(error).__name__}: {in_one_line(error)}") from error
+        own = [at for at in traceback.extract_tb(error.__traceback__) if at.filename == file]
+        if type(scene).__module__.startswith("explorer.") or (isinstance(error, RunError) and not own):
+            raise
+        where = f"{file}, line {own[-1].lineno}, in {own[-1].name}" if own else "what it returns or counts"
+        raise RunError(f"scene {scene.name}: {where}: {type(error).__name__}: {in_one_line(error)}") from error
 
 
 def compute_all(scene: Scene, missing: list[int], settings: Settings, stop: threading.Event) -> Iterator[Done]:
@@ -127,6 +126,8 @@ def _cluster(settings: Settings) -> Iterator[Any]:
 
     # A dashboard None would ask for a port that another run has; no user can mend what dask logs.
     quiet = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
+    logging.getLogger("asyncio").addFilter(lambda record: "AllExit" not in str(record.exc_info))
     with contextlib.ExitStack() as until_done:
         try:
             with withheld():
@@ -164,6 +165,5 @@ def _on_cluster(
     except (OSError, distributed.KilledWorker, distributed.client.FutureCancelledError) as error:
         fault = f"workers or their scheduler were killed ({in_one_line(error)})"
         raise RunError(f"{where}: {fault}; {settings.onward}") from error
-    raise RunError(
-        f"{where}: there is no worker; start one with: dask worker {settings.scheduler}; {settings.onward}"
-    )
+    start = f"; start one with: dask worker {settings.scheduler}" if settings.scheduler else ""
+    raise RunError(f"{where}: there is no worker{start}; {settings.onward}")

@@ -244,8 +244,8 @@ class Anywhere(RaceAngles):
         """None: states have distances from F of themselves."""
         if given is not None:
             raise InputError(
-                "eta_hat: is for start near; states, energy, gaussian, density, and a box of more than phidot and "
-                "sigma3 mean start anywhere; leave one of them out"
+                "eta_hat: is for start near; leave it out, or give start near (states, energy, gaussian, density, "
+                "and a box of more than phidot and sigma3 mean start anywhere)"
             )
 
     @property

@@ -187,21 +187,33 @@ class SampledScene(Scene):
     def chunk(self, index: int) -> tuple[Table, Any]:
         tally, kept = self.tally(), []
         for block in self.blocks(index):
-            table = self.observe(block)
-            table["status"] = np.asarray(table["status"]).astype(np.int8, copy=False)
-            shapes = {name: np.shape(values) for name, values in table.items()}
-            if len({*shapes.values()}) > 1:
-                raise RunError(
-                    f"{self.name}: observe gives columns of several shapes {shapes}; give one row for each sample"
-                )
+            table = self.checked(self.observe(block))
             tally.status += count_status(table["status"][:: self.rows])
             self.count(tally, table)
             kept.append(self.kept(table))
         if (counted := sum(tally.status.values())) != (due := self.length(index)):
             raise RunError(
-                f"{self.name}: draw and observe give {counted} samples, not {due}; give one row for each sample"
+                f"scene {self.name}: draw and observe give {counted} samples, not {due}; give one row a sample"
             )
         return joined(kept), tally
+
+    def checked(self, table: Table) -> Table:
+        """What `observe` returned. Raises RunError where it is no table with statuses and what `columns` names."""
+        there = table if isinstance(table, dict) else {}
+        missing = [name for name in ("status", *self.columns) if name not in there]
+        if missing:
+            raise RunError(f"scene {self.name}: observe returns no column {missing[0]}; return a dict with it")
+        shapes = {name: np.shape(values) for name, values in table.items()}
+        if len({*shapes.values()}) > 1:
+            raise RunError(
+                f"scene {self.name}: observe returns columns of several shapes {shapes}; return one row a sample"
+            )
+        given = np.asarray(table["status"])
+        with np.errstate(invalid="ignore"):
+            status = given.astype(np.int8, copy=False)
+        if status is not given and not np.array_equal(status, given):
+            raise RunError(f"scene {self.name}: observe returns statuses that are none; use those of ex.Status")
+        return table | {"status": status}
 
     def kept(self, table: Table) -> Table:
         """The rows of a block that are stored."""
@@ -217,7 +229,7 @@ def _filled(line: str, known: dict[str, Any]) -> str:
     """A line with its numbers; empty where one is missing."""
     try:
         return line.format(**known)
-    except (KeyError, IndexError, TypeError):
+    except (KeyError, IndexError, TypeError, ValueError):
         return ""
 
 
@@ -291,7 +303,7 @@ def scene_class(name: Any) -> type[Scene]:
     """The class of a scene, by its name, by "FILE.py:CLASS", or itself. Raises InputError with what is known."""
     if isinstance(name, type):
         return register(name)
-    if isinstance(name, str) and ".py:" in name:
+    if isinstance(name, str) and (".py:" in name or name.endswith(".py")):
         return register(_in_file(name))
     known = [*NAMES, *_own]
     if name not in known:
@@ -306,7 +318,7 @@ def scene_class(name: Any) -> type[Scene]:
 
 def _in_file(where: str) -> type[Scene]:
     """The class that "my.py:Scene" names; its folder becomes one that workers import from, too."""
-    path, _, name = where.rpartition(":")
+    path, _, name = where.rpartition(":") if ".py:" in where else (where, "", "")
     file = Path(path).resolve()
     if not file.is_file():
         raise InputError(f"scene {where}: there is no file {path}")

@@ -144,21 +144,20 @@ class FromStates(FromDensity):
                 known = columns if isinstance(self.box, Box) else coordinates_of(states)
                 yield Block(states, known, {name: columns[name] for name in columns if name not in known})
 
-    def first_states(self, count: int) -> States:
-        """A few states like those of the run; the same for all seeds, so that runs can be merged."""
+    def first_states(self, count: int, seed: int = 0) -> States:
+        """A few states like those of the run, in the main the same for all runs, so that they can be merged."""
         if self.states is not None:
             return self.states.read(self.disk, 0, min(count, self.samples)).states
-        return self.box.states(self.disk, self.draw(chunk_stream(0, 0), count))
+        return self.box.states(self.disk, self.draw(chunk_stream(seed, 0), count))
 
     def states_among(self, status: Mapping[str, int]) -> int:
         """How many samples are states; the others are bad input, and in no statistic. Raises RunError for 0."""
         count = sum(status.values()) - status.get("bad_input", 0)
         if not count:
-            remedy = "in box, give rates below 1e75 natural units"
-            if self.states is not None:
-                remedy = "in states, give finite numbers, phi between -pi/2 and pi/2 or tilt between 0 and pi"
-                remedy += "" if self.states.degrees else ", or set degrees if they are in degrees"
-            raise RunError(f"{self.name}: none of {self.samples:,} samples is a state; {remedy}")
+            raise RunError(
+                f"{self.name}: none of {self.samples:,} samples is a state; give finite numbers, rates below 1e75 "
+                "natural units, phi between -pi/2 and pi/2, tilt between 0 and pi; set degrees if they are degrees"
+            )
         return count
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
@@ -170,11 +169,7 @@ class FromStates(FromDensity):
             except InputError as error:
                 return [*lines, f"which are no states (bad_input) cannot be said: {error}"]
             bad = np.flatnonzero(status == compiled.status.Status.BAD_INPUT)[:10]
-            # A CSV file has its header in line 1.
-            csv = self.states.path is not None and self.states.opened.columns is not None
-            which = ", ".join(map(str, bad + 2 if csv else bad))
-            where = f"lines {which} of the file" if csv else f"rows {which}, counted from 0"
-            lines.append(f"no states (bad_input), for instance {where}")
+            lines.append(f"no states (bad_input), for instance, counted from 0: row {', '.join(map(str, bad))}")
         return lines
 
 

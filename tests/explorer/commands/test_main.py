@@ -214,7 +214,7 @@ def test_an_unknown_option_is_named_by_its_command(words, capsys):
     assert main([*words, "--delta", "3"]) == 2
     error = capsys.readouterr().err
     assert error.startswith(f"nearflat {words[0]}: unrecognized arguments: --delta 3\n")
-    assert f"Try 'nearflat {words[0]} --help'." in error
+    assert f"Try 'nearflat {' '.join(words)} --help'." in error
 
 
 @pytest.mark.parametrize(

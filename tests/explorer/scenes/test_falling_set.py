@@ -1,10 +1,14 @@
 """Scene falling-set: shares, valleys on the exact curve, what is kept and what is counted."""
 
+import pkgutil
+from importlib import import_module
+
 import numpy as np
 import pytest
 from conftest import BODIES, computed
 
 import explorer as ex
+from explorer import compiled
 from explorer.measure.slices import Slice, slice_map
 from explorer.scenes import falling_set
 from explorer.scenes.falling_set import FallingCounts, FallingSet, nearer
@@ -145,6 +149,9 @@ def test_without_theta_min_no_motion_is_followed(monkeypatch):
 
     _, some = summary_of(samples=3000, theta_min="near")
     monkeypatch.setattr(falling_set, "smallest_tilt", forbidden)
+    for room in ("steps", "near_flat", "arcs"):
+        for module in pkgutil.iter_modules(import_module(f"kernels.{room}").__path__):
+            monkeypatch.setattr(compiled, module.name, None, raising=False)
     scene, found = summary_of(samples=3000, theta_min="none")
     assert (found["theta_min_of"], found["theta_min_known"]) == ("no samples", 0)
     for key in ("face_counts", "could_fall_fraction", "distance_quantiles", "valid_states"):

@@ -105,7 +105,7 @@ def test_what_is_no_scene_is_refused(capsys, tmp_path):
     for words, message in (
         (f"{tmp_path}/none.py:Scene", "there is no file"),
         (EXAMPLE.replace("Periods", "Preiods"), "known: Periods"),
-        (EXAMPLE.removesuffix(":Periods"), "A scene of your own: nearflat run my.py:Scene"),
+        (EXAMPLE.removesuffix(":Periods"), "'' is not known; known: Periods"),
     ):
         status, _, err = said(capsys, "run", words)
         assert status == 2
@@ -144,6 +144,7 @@ def test_a_class_is_a_scene_of_python_and_its_runs_add_up():
 
 RIGHT = """
 import numpy as np
+import explorer as ex
 from explorer.scenes import NUMBER, Counts, SampledScene, option
 
 class HeadCounts(Counts):
@@ -174,14 +175,25 @@ class Coins(SampledScene):
     [
         ("heads: int", "heads: dict", "in count: TypeError"),
         ("= HeadCounts,", "= dict,", "AttributeError: 'dict' object has no attribute 'status'"),
-        ('("status",)', '("status", "theta_min")', 'Field "theta_min" does not exist'),
-        ('("status",)', "3", "TypeError: 'int' object is not iterable"),
+        ('("status",)', '("status", "theta_min")', "observe returns no column theta_min"),
         ("def draw", "def drawn", r"a scene offers draw(random, count)"),
         ("random(count)", "random(3)", "draw and observe give 3 samples, not 100"),
-        ('"status": 0', '"state": 0', "KeyError: 'status'"),
+        ('"status": 0', '"state": 0', "observe returns no column status; return a dict with it"),
+        ('return {**drawn, "status"', 'drawn |= {"status"', "observe returns no column status"),
+        (
+            '0 * drawn["heads"].astype("i1")',
+            'np.where(drawn["heads"], np.nan, 0)',
+            "statuses that are none",
+        ),
+        (
+            '0 * drawn["heads"].astype("i1")',
+            '256 * drawn["heads"].astype(int)',
+            "statuses that are none",
+        ),
+        ("random.random(count)", "ex.falls(3)", "in draw: InputError: states"),
         ('"status": 0 *', '"status": 99 +', "99 is not a valid Status"),
-        ('0 * drawn["heads"]', '0 * drawn["tails"]', "line 15, in observe: KeyError: 'tails'"),
-        ('**drawn, "', '**drawn, "less": drawn["heads"][1:], "', "observe gives columns of several shapes"),
+        ('0 * drawn["heads"]', '0 * drawn["tails"]', "line 16, in observe: KeyError: 'tails'"),
+        ('**drawn, "', '**drawn, "less": drawn["heads"][1:], "', "observe returns columns of several shapes"),
         ('return table["heads"]', 'return table["heads"][1:]', "boolean index did not match"),
         ("tally.heads +=", "tally.tails +=", "has no attribute 'tails'"),
         ("int(table", "1j * (table", "complex"),
@@ -218,11 +230,12 @@ def test_what_is_wrong_with_its_code_is_raised_as_it_is(right, wrong, message, c
         _tried(right, wrong, capsys, tmp_path)
 
 
-def test_an_option_may_not_have_the_name_of_a_setting(capsys, tmp_path):
-    wrong = "jobs: float = option(NUMBER, 'x')\n    tally, columns"
+@pytest.mark.parametrize("name", ["jobs", "quiet", "resume", "call", "command_line"])
+def test_an_option_may_not_have_the_name_of_a_setting(name, capsys, tmp_path):
+    wrong = f"{name}: float = option(NUMBER, 'x')\n    tally, columns"
     status, _, err = _tried("tally, columns", wrong, capsys, tmp_path)
     assert status == 2
-    assert "jobs is the name of a setting of runs" in err
+    assert f"{name} is the name of a setting of runs" in err
 
 
 def _tried(right, wrong, capsys, tmp_path):

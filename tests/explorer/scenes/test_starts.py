@@ -144,14 +144,14 @@ def test_rows_of_a_csv_file_that_are_no_states_are_lines_as_an_editor_counts_the
     path = tmp_path / "states.csv"
     path.write_text("phi,phidot,sigma3,sigma4\n0,1,1,1\n0,1,1,\n0,1,2,3\n")
     run = ex.run("falling-set", states=path)
-    assert "for instance lines 3 of the file" in run.scene.headline(run.summary)[-1]
+    assert "for instance, counted from 0: row 1" in run.scene.headline(run.summary)[-1]
 
 
 @BOTH
 def test_a_row_that_is_no_state_is_in_no_statistic_and_counted_apart(kind):
     """Numbers are those of the same table without the row."""
     whole, good = (ex.run(kind.name, states=rows, keep="all") for rows in (ROWS, ROWS.loc[[0, 2]]))
-    assert "for instance rows 1, counted from 0" in whole.scene.headline(whole.summary)[-1]
+    assert "for instance, counted from 0: row 1" in whole.scene.headline(whole.summary)[-1]
     assert "rows" not in good.scene.headline(good.summary)[-1]
     assert (whole.summary["samples"], whole.summary["valid_states"]) == (3, 2)
     assert whole.summary["status"] == {"bad_input": 1, "ok": 2}
@@ -163,8 +163,11 @@ def test_a_row_that_is_no_state_is_in_no_statistic_and_counted_apart(kind):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"states": ROWS.loc[[1]]}, "none of 1 samples is a state; in states, give finite numbers"),
-        ({"samples": 10, "box": "phi=0:1,sigma3=1e200:1e201"}, "none of 10 samples is a state; in box"),
+        ({"states": ROWS.loc[[1]]}, "none of 1 samples is a state; give finite numbers"),
+        (
+            {"samples": 10, "box": "phi=0:1,sigma3=1e200:1e201"},
+            "none of 10 samples is a state; give finite numbers, rates below",
+        ),
     ],
 )
 def test_where_no_row_is_a_state_the_run_says_so(kind, options, message):
@@ -242,7 +245,7 @@ def test_what_belongs_to_the_other_start_is_refused(options, message):
 @pytest.mark.parametrize("options", [{"start": "anywhere"}, {"states": GIVEN}, {"energy": ":3"}])
 def test_race_angles_are_of_bounces_where_states_may_be_anywhere(options):
     assert RaceAngles.of(options).start == "anywhere"
-    with pytest.raises(ex.InputError, match="leave one of them out"):
+    with pytest.raises(ex.InputError, match="leave it out, or give start near"):
         RaceAngles.of(dict(**options, eta_hat="1e-3:1e-2"))
     exact, found = (rows_of(RaceAngles.of(dict(**{"samples": 7} | options, method=by))) for by in ("auto", "rk4"))
     np.testing.assert_allclose(found["delta_chi"], exact["delta_chi"], atol=1e-5)
