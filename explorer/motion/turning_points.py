@@ -51,16 +51,21 @@ def tilt_of(states: Array) -> Array:
     return np.asarray(np.arctan2(q, abs(z)))
 
 
-def turning_points(states: States, how: Plan, tilts_only: bool = False) -> TurningPoints:
+def turning_points(
+    states: States, how: Plan, tilts_only: bool = False, swing: Array | float = np.inf
+) -> TurningPoints:
     """Follow every state forward to its next turning point, held to its sigma3_bar and eta.
 
     tilts_only: nothing else is asked for; a slow way over the vertical amplifies errors of the time and angles.
+    swing: how far motions swing, in x = ln tan(theta/2); where that is little, tolerances are as much less.
     """
     given = integration.InitialValues(
         *(states.disk, how, states.natural, states.motion, status_at_start(states)),
         np.full(len(states), how.control),
     )
     amplified = np.ones(len(states))
+    if how.adaptive:
+        given = given.finer(np.fmin(swing, 1.0))
     if not tilts_only:
         amplified = amplification(speed_at_vertical(states.disk, states.motion))
         given = given.finer(less_where_amplified(how, amplified))
@@ -105,10 +110,10 @@ def smallest_tilt(states: States, how: Plan) -> tuple[Array, NDArray[np.int8], N
 
 
 def turning_points_around(
-    states: States, how: Plan, tilts_only: bool = False
+    states: States, how: Plan, tilts_only: bool = False, swing: Array | float = np.inf
 ) -> tuple[TurningPoints, TurningPoints]:
     """The next turning points and those before; a state at rest is the one before itself."""
-    ahead, behind = (turning_points(each, how, tilts_only) for each in (states, states.reversed()))
+    ahead, behind = (turning_points(each, how, tilts_only, swing) for each in (states, states.reversed()))
     rest = np.flatnonzero(states.rows.p == 0.0)
     behind.theta[rest], behind.face[rest] = tilt_of(states.natural[:, rest]), face_of(states.at(rest))
     for values in (behind.time, behind.chi, behind.psi, behind.error):
