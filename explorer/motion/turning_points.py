@@ -57,15 +57,16 @@ def turning_points(
     """Follow every state forward to its next turning point, held to its sigma3_bar and eta.
 
     tilts_only: nothing else is asked for; a slow way over the vertical amplifies errors of the time and angles.
-    swing: how far motions swing, in x = ln tan(theta/2); where that is little, tolerances are as much less.
+    swing: how far motions swing, in x = ln tan(theta/2). What is little shows no errors: tolerances are as much
+    less, and fixed steps are compared with shorter ones.
     """
     given = integration.InitialValues(
         *(states.disk, how, states.natural, states.motion, status_at_start(states)),
         np.full(len(states), how.control),
     )
-    amplified = np.ones(len(states))
+    amplified, small = np.ones(len(states)), np.fmin(swing, np.ones(len(states)))
     if how.adaptive:
-        given = given.finer(np.fmin(swing, 1.0))
+        given = given.finer(small)
     if not tilts_only:
         amplified = amplification(speed_at_vertical(states.disk, states.motion))
         given = given.finer(less_where_amplified(how, amplified))
@@ -74,8 +75,7 @@ def turning_points(
         ended = found.out[:, 0].T
         error = error_of(states.disk, how, found.moved, ended, amplified[rows], PASSAGE)
         hidden = ended[compiled.field.ROW.t] > LINGERS
-        if how.adaptive:
-            hidden |= found.steps <= FEW
+        hidden |= found.steps <= FEW if how.adaptive else small[rows] < 1.0
         return np.where(hidden, np.inf, error)
 
     event, asked = compiled.events.TURNING_POINT, accepted(how, 0.0)

@@ -205,8 +205,7 @@ def test_small_swings_by_integration_err_by_what_is_estimated(body, method, accu
     tilt, precession = np.meshgrid([0.1, 0.5, 1.0, 1.3, 0.5 * np.pi], [0.3, 2.0, 7.0])
     steady = ex.steady_motions(body, tilt.ravel(), precession.ravel() * body.rate_unit)
     phi, sigma3, sigma4 = (
-        np.tile(column[steady.ok], 6)
-        for column in (steady.states.phi, steady.states.sigma3, steady.states.sigma4)
+        np.tile(column[steady.ok], 6) for column in (steady.states.phi, steady.states.sigma3, steady.states.sigma4)
     )
     swing = np.repeat(10.0 ** -np.arange(3.0, 15.0, 2.0), steady.ok.sum())
     states = ex.phi_to_states(body, phi + swing, 0.0, sigma3, sigma4)
