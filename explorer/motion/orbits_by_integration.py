@@ -25,11 +25,20 @@ def integrated_orbits(states: States, own: Array, ends: Ends, how: Plan) -> tupl
     What could not be followed has infinite errors.
     """
     n, finer = len(states), replace(how, accuracy=_OF_ARC * how.accuracy)
-    turns = turning_points_around(states, finer)
-    theta, face, time, chi, psi, error = (
+    # Of a small swing, and of how near a motion comes to rest at a crest, steps have to err by a share.
+    slow = ends.state.slow
+    starts = np.where(2.0 * slow < np.fmin(ends.inner.d, ends.outer.d), slow, np.inf)
+    small = np.fmin.reduce([ends.width, starts, ends.inner.slow, ends.outer.slow, ends.far.slow])
+    turns = turning_points_around(states, finer, swing=small)
+    theta, face, time, chi, psi, steps, error = (
         np.stack([getattr(turn, name) for turn in turns])
-        for name in ("theta", "face", "time", "chi", "psi", "error")
+        for name in ("theta", "face", "time", "chi", "psi", "steps", "error")
     )
+    # Each step may round the tilt by its last digit, and turning points come early or late by that share.
+    swing = np.fmin(abs(np.subtract(*(face * np.log(np.tan(0.5 * theta))))), small)
+    with np.errstate(divide="ignore"):  # nothing is known where no swing is seen
+        share = np.finfo(np.float64).eps * steps.sum(axis=0) / swing
+    late, off = share * time.sum(axis=0), share * np.fmax(abs(chi.sum(axis=0)), abs(psi.sum(axis=0)))
     crosses = face[0] != face[1]
     # 0 where the flattest moment on this face lies ahead of the state, 1 where behind it
     inner = np.where(crosses, face[0] != own, theta[0] > theta[1]).astype(int)
@@ -37,14 +46,14 @@ def integrated_orbits(states: States, own: Array, ends: Ends, how: Plan) -> tupl
 
     def arc(time: Array, chi: Array, psi: Array, error: Array) -> "compiled.rules.ArcRow[Array]":
         error = np.nan_to_num(error, nan=np.inf)
-        return compiled.rules.ArcRow(time=time, chi=chi, psi=psi, time_error=error * time, angle_error=0.5 * error)
+        return compiled.rules.ArcRow(time, chi, psi, time_error=error * time + late, angle_error=0.5 * error + off)
 
     lead = arc(*(column[inner, each] for column in (time, chi, own * psi, error)))
     here = [time.sum(axis=0), chi.sum(axis=0), own * psi.sum(axis=0), error.sum(axis=0)]
     there = [np.full(n, np.nan) for _ in here]
     rows = np.flatnonzero(crosses)
     for seen, found in ((own, here), (-own, there)):
-        passed = _from_vertical(states, seen, ends, finer, rows)
+        passed = _from_vertical(states, seen, ends, finer, rows, small[rows])
         for column, values in zip(found, passed, strict=True):
             column[rows] = values
     unsure = np.nan_to_num(error, nan=np.inf).max(axis=0)
@@ -61,7 +70,7 @@ def integrated_orbits(states: States, own: Array, ends: Ends, how: Plan) -> tupl
 
 
 def _from_vertical(
-    states: States, face: Array, ends: Ends, how: Plan, rows: NDArray[np.intp]
+    states: States, face: Array, ends: Ends, how: Plan, rows: NDArray[np.intp], swing: Array
 ) -> tuple[Array, ...]:
     """Time, chi, psi as the face has it, and the error, of some motions from the vertical to a turning point."""
     disk, motion, unit = states.disk, rows_of(states.motion, rows), states.disk.rate_unit
@@ -72,6 +81,6 @@ def _from_vertical(
     at = replace(
         constants_to_states(disk, motion.sigma3_bar * unit, eta_hat * unit, phidot * unit, own), given=motion
     )
-    turn, error = followed_to_flattest(at, how)
+    turn, error = followed_to_flattest(at, how, swing)
     failed = (turn.status != compiled.status.Status.OK) | (turn.face != own)
     return turn.time, turn.chi, turn.psi * own, np.where(failed, np.nan, error)

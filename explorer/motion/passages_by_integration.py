@@ -39,9 +39,9 @@ def by_integration(
     return compiled.races.Samples(bar, eta, speed, face, *followed, error, status), turn.steps
 
 
-def followed_to_flattest(states: States, how: Plan) -> tuple[TurningPoints, Array]:
+def followed_to_flattest(states: States, how: Plan, swing: Array | float = np.inf) -> tuple[TurningPoints, Array]:
     """The turning points of motions that start at the vertical, and how far they may be off."""
-    turn = turning_points(states, how)
+    turn = turning_points(states, how, swing=swing)
     return turn, turn.error + _rounding_at_rest(states, turn.time)
 
 

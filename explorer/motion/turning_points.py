@@ -51,16 +51,22 @@ def tilt_of(states: Array) -> Array:
     return np.asarray(np.arctan2(q, abs(z)))
 
 
-def turning_points(states: States, how: Plan, tilts_only: bool = False) -> TurningPoints:
+def turning_points(
+    states: States, how: Plan, tilts_only: bool = False, swing: Array | float = np.inf
+) -> TurningPoints:
     """Follow every state forward to its next turning point, held to its sigma3_bar and eta.
 
     tilts_only: nothing else is asked for; a slow way over the vertical amplifies errors of the time and angles.
+    swing: how far motions swing, in x = ln tan(theta/2). What is little shows no errors: tolerances are as much
+    less, and fixed steps are compared with shorter ones.
     """
     given = integration.InitialValues(
         *(states.disk, how, states.natural, states.motion, status_at_start(states)),
         np.full(len(states), how.control),
     )
-    amplified = np.ones(len(states))
+    amplified, small = np.ones(len(states)), np.fmin(swing, np.ones(len(states)))
+    if how.adaptive:
+        given = given.finer(small)
     if not tilts_only:
         amplified = amplification(speed_at_vertical(states.disk, states.motion))
         given = given.finer(less_where_amplified(how, amplified))
@@ -69,8 +75,7 @@ def turning_points(states: States, how: Plan, tilts_only: bool = False) -> Turni
         ended = found.out[:, 0].T
         error = error_of(states.disk, how, found.moved, ended, amplified[rows], PASSAGE)
         hidden = ended[compiled.field.ROW.t] > LINGERS
-        if how.adaptive:
-            hidden |= found.steps <= FEW
+        hidden |= found.steps <= FEW if how.adaptive else small[rows] < 1.0
         return np.where(hidden, np.inf, error)
 
     event, asked = compiled.events.TURNING_POINT, accepted(how, 0.0)
@@ -105,10 +110,10 @@ def smallest_tilt(states: States, how: Plan) -> tuple[Array, NDArray[np.int8], N
 
 
 def turning_points_around(
-    states: States, how: Plan, tilts_only: bool = False
+    states: States, how: Plan, tilts_only: bool = False, swing: Array | float = np.inf
 ) -> tuple[TurningPoints, TurningPoints]:
     """The next turning points and those before; a state at rest is the one before itself."""
-    ahead, behind = (turning_points(each, how, tilts_only) for each in (states, states.reversed()))
+    ahead, behind = (turning_points(each, how, tilts_only, swing) for each in (states, states.reversed()))
     rest = np.flatnonzero(states.rows.p == 0.0)
     behind.theta[rest], behind.face[rest] = tilt_of(states.natural[:, rest]), face_of(states.at(rest))
     for values in (behind.time, behind.chi, behind.psi, behind.error):

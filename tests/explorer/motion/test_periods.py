@@ -182,3 +182,38 @@ def test_an_eta_hat_that_was_given_is_kept_by_integration_too(method):
     assert found.ok.all()
     np.testing.assert_allclose(found.theta_min, exact.theta_min, rtol=1e-6)
     np.testing.assert_allclose(found.period, exact.period, rtol=1e-6)
+
+
+@pytest.mark.parametrize("method", ["rk4", "rk8", "dopri5", "dop853"])
+def test_integration_gives_no_period_where_rounding_is_all_that_moves(method):
+    """At rest in a centre or on a saddle, and where half a million steps hardly change the tilt."""
+    disk = BODIES["uniform"]
+    steady = ex.steady_motions(disk, [0.5, 0.5, 1.0, 0.2, 1.3], [2.0, 5.0, 1.5, 4.0, 3.0]).states
+    saddle = next(place for place in ex.potential(disk, 0.25, 1e-3).equilibria if place.kind == "saddle")
+    given = {"phi": saddle.phi, "phidot": 0.0, "sigma3_bar": 0.25, "eta_hat": 1e-3}
+    on_saddle = ex.coordinates_to_states(disk, **given)
+    fast = ex.phi_to_states(disk, 1.570670265030739, 0.0, 5.664449226128087e-11, -1509442.4646270527)
+    for states in (steady, on_saddle, fast):
+        for found in (ex.periods(states, method=method), ex.bounces(states, method=method)):
+            assert (found.status == ex.Status.STEP_LIMIT).all()
+
+
+@pytest.mark.parametrize("method", ["rk4", "rk8", "dopri5", "dop853"])
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-6])
+def test_small_swings_by_integration_err_by_what_is_estimated(body, method, accuracy):
+    """About steady motions, stable or not: dopri5 was wrong by 6e-4 where it estimated 3e-7."""
+    tilt, precession = np.meshgrid([0.1, 0.5, 1.0, 1.3, 0.5 * np.pi], [0.3, 2.0, 7.0])
+    steady = ex.steady_motions(body, tilt.ravel(), precession.ravel() * body.rate_unit)
+    phi, sigma3, sigma4 = (
+        np.tile(column[steady.ok], 6) for column in (steady.states.phi, steady.states.sigma3, steady.states.sigma4)
+    )
+    swing = np.repeat(10.0 ** -np.arange(3.0, 15.0, 2.0), steady.ok.sum())
+    states = ex.phi_to_states(body, phi + swing, 0.0, sigma3, sigma4)
+    found, true = ex.periods(states, accuracy, method=method), ex.periods(states, 1e-2)
+    known = found.ok & true.ok
+    error = 4.0 * (found.error_estimate + true.error_estimate)[known]
+    assert (abs(found.period / true.period - 1.0)[known] <= error).all()
+    assert (abs(found.chi - true.chi)[known] <= error).all()
+    assert (abs(found.psi - true.psi)[known] <= error).all()
+    stable = np.tile(steady.stable[steady.ok], 6)
+    assert found.ok[stable & (swing > 1e-11 / accuracy)].mean() > 0.9
