@@ -10,13 +10,13 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from explorer.errors import InputError, number
 from explorer.motion.periods import periods
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.results import Table
+from explorer.phase.results import Result
 from explorer.phase.states import Array, theta_to_states
 
 ETA_HAT = 1e-12
@@ -27,8 +27,8 @@ _ACCURACY = 1e-6  # of the turn (rad); terms of order theta_0, about 1e-8 by def
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Rocking(Table):
-    """Motions that rock near flat, one entry per energy; arrays (n).
+class Rocking(Result):
+    """Motions that rock near flat, arrays of the shape of `excess`; NaN where the status is not OK.
 
     Attributes
     ----------
@@ -42,6 +42,8 @@ class Rocking(Table):
         Smallest tilt of the bounce (rad).
     period : array
         Period of one bounce, units of the disk.
+    status : array of int8
+        `Status` of each motion.
     theta_0 : float
         Tilt of the bottom (rad).
 
@@ -58,6 +60,7 @@ class Rocking(Table):
     chi: Array
     theta_min: Array
     period: Array
+    status: NDArray[np.int8]
     theta_0: float
 
     @property
@@ -103,7 +106,7 @@ def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HA
     """
     require_axial_inertia(disk)
     b, unit = disk.body, disk.rate_unit
-    (ratio,), _ = read_columns(excess=EXCESS if excess is None else excess)
+    (ratio,), shape = read_columns(excess=EXCESS if excess is None else excess)
     eta = disk.eta_hat_to_eta(number("eta_hat", eta_hat) / unit)
     if ratio.size == 0 or not (np.isfinite(ratio).all() and (ratio > 1.0).all()):
         raise InputError(f"excess = {excess!r}: give finite numbers above 1; the bottom of the well is at 1")
@@ -119,5 +122,6 @@ def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HA
     # The eta of these states is meant: its rounding shifts the turn by no more than terms of order theta_0.
     motion = states.motion._replace(rounding_plus=0.0 * ratio, rounding_minus=0.0 * ratio)
     bounces = periods(replace(states, given=motion), _ACCURACY)
-    above = bounces.energy / disk.energy_unit - disk.energy_at_flat(motion.sigma3_bar)
-    return Rocking(disk, above / (1.5 * theta_0), bounces.chi, bounces.theta_min, bounces.period, theta_0)
+    above = (bounces.energy / disk.energy_unit - disk.energy_at_flat(motion.sigma3_bar)) / (1.5 * theta_0)
+    columns = above, bounces.chi, bounces.theta_min, bounces.period, bounces.status
+    return Rocking(disk, *columns, theta_0).reshaped(shape)

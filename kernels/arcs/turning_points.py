@@ -127,9 +127,10 @@ def steepest(q: float, ratio: float, sigma4: float, energy: float, inward: bool,
 
 @contracted_device
 def step_of(moving: float, slope: float, bound: float) -> float:
-    """How far the motion goes on at least; moving: K there, slope: dK/dd."""
-    root = math.sqrt(slope * slope + 2.0 * bound * (moving if moving > 0.0 else 0.0))
-    rising, falling = (slope + root) / bound, 2.0 * moving / max(root - slope, _LEAST)
+    """How far the motion goes on at least; moving: K there, slope: dK/dd; deep below, of squares nothing is left."""
+    steep, left = slope / bound, moving / bound
+    root = math.sqrt(steep * steep + 2.0 * (left if left > 0.0 else 0.0))
+    rising, falling = steep + root, 2.0 * left / max(root - steep, _LEAST)
     h = 0.0 if moving < 0.0 else rising if slope > 0.0 else falling
     return min(h, REACH)
 
@@ -211,7 +212,7 @@ def advance(A: Vector, i: int, inward: bool, b: Body) -> None:
     near = (state == _NEAR) | (is_open & alone & (not deep) & (not ends))
     high = d + 2.0 * newton if is_open else d if moving < 0.0 else A[_HIGH + i]
     low = A[_LOW + i] if moving < 0.0 else d
-    new = d - 2.0 * moving * slope / (2.0 * slope * slope - moving * A[_BEND + i])
+    new = d + 2.0 * newton / (2.0 + newton * (A[_BEND + i] / slope))
     new = new if (new >= low) & (new <= high) else 0.5 * (low + high)
     # What Halley's step leaves is of its third order.
     step, steep = abs(new - d), bound / abs(slope)
@@ -337,8 +338,10 @@ def search_rest(A: Vector, b: Body) -> None:
 def next_zero(K: float, fall: float, bend: float) -> tuple[float, float]:
     """How far beyond a point the parabola of K has its next zero, inf for none, and, if complex, how far aside.
 
-    fall: the rate at which K falls there; bend: V''.
+    fall: the rate at which K falls there; bend: V''. Deep below, of their squares nothing is left.
     """
+    scale = 1.0 / max(max(abs(K), abs(fall)), max(abs(bend), _LEAST))
+    K, fall, bend = K * scale, fall * scale, bend * scale
     square = fall * fall + 2.0 * bend * K
     root = math.sqrt(abs(square))
     real = 2.0 * K / (fall + root) if K > 0.0 else -2.0 * fall / bend

@@ -60,6 +60,27 @@ def test_the_euler_disk_turns_at_the_rate_of_the_steady_motion():
     assert rate == pytest.approx(math.sqrt(1.0 / (UNIFORM.I1 * math.sin(turns.theta_0))), rel=1e-3)
 
 
+@pytest.mark.parametrize("eta_hat", [1e-100, -1e-200, 1e-231, -1e-236, 1e-250, 1e-300, 1e-307])
+def test_the_curve_is_the_same_at_the_smallest_tilts(body, eta_hat):
+    """From the bottom to the race, at tilts of 1e-205 to 1e-60: squares of V' there are no numbers."""
+    excess = np.append(1.0 + np.geomspace(1e-4, 1e-1, 7), np.geomspace(1.5, 1e4, 12))
+    turns = rocking(body, excess, eta_hat * body.rate_unit)
+    assert turns.ok.all()
+    np.testing.assert_allclose(
+        turns.chi * math.copysign(1.0, eta_hat), [leading_turn(body, e) for e in excess], rtol=1e-9
+    )
+    # In u = theta/theta_0 the turning points are roots of 1/(2 u^2) + u = 3/2 excess
+    inner = [min(root.real for root in np.roots([1.0, -1.5 * e, 0.0, 0.5]) if root.real > 0.0) for e in excess]
+    np.testing.assert_allclose(turns.theta_min / turns.theta_0, inner, rtol=1e-9)
+
+
+def test_motions_have_the_shape_of_their_energies_and_a_status():
+    turns = rocking(HOOP, [[5.0, 3.0, 2.0]])
+    assert turns.shape == turns.chi.shape == turns.status.shape == (1, 3)
+    assert turns.ok.all()
+    assert turns[0, 1].chi == rocking(HOOP, 3.0).chi
+
+
 @pytest.mark.parametrize(
     ("call", "says"),
     [
