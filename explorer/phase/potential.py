@@ -28,7 +28,7 @@ from explorer.phase.states import Array
 _STEP = 0.02  # of y, in which V is smooth on the scale 1: no two zeros of V'' share a step
 _EPS = float(np.finfo(float).eps)
 _FLAT = 1e-8  # tilt (rad), at rates of order 1, below which V' keeps its sign where V ends at V_0
-_WALL = 1e-6  # the same beside a line, as a share of |eta_hat|: there the wall is far above all else
+_WALL = 1e-3  # the same beside a line, as a share of the tilt at which the wall is as steep as all else
 _SMALLEST = 1e-290  # rad; doubles of cosh y end soon after
 _FARTHEST = 700.0  # in size, of y: there they do
 _POINTS = 400  # of a curve, and some more where it runs to flat
@@ -116,8 +116,8 @@ class Potential:
     ----------
     disk : Disk
         The body.
-    bar, eta : float
-        bar: sigma3_bar. eta: eta_hat on `face`. Both in natural units.
+    bar, hat : float
+        sigma3_bar and eta_hat in natural units.
     face : int
         +1, or -1 for the mirror image, eq. (3.2).
 
@@ -133,7 +133,7 @@ class Potential:
 
     disk: Disk
     bar: float
-    eta: float
+    hat: float
     face: int = 1
 
     def __repr__(self) -> str:
@@ -147,22 +147,22 @@ class Potential:
     @property
     def eta_hat(self) -> float:
         """Signed distance to the line of `face`, eq. (6.2)."""
-        return self.eta * self.disk.rate_unit
+        return self.hat * self.disk.rate_unit
 
     @property
     def sigma4_bar(self) -> float:
-        return self.face * (line_slope(self.disk) * self.bar - self.eta) * self.disk.rate_unit
+        return self.face * (line_slope(self.disk) * self.bar - self.hat) * self.disk.rate_unit
 
-    def etas(self) -> dict[int, float]:
+    def hats(self) -> dict[int, float]:
         """eta_hat on each face, natural units."""
-        return {self.face: self.eta, -self.face: other_eta_hat(self.disk, self.bar, self.eta)}
+        return {self.face: self.hat, -self.face: other_eta_hat(self.disk, self.bar, self.hat)}
 
     def terms(self, q: Array, z: Array) -> Terms:
         """V and its derivatives where cos phi = q, sin phi = z."""
         b = self.disk.body
         with np.errstate(over="ignore", invalid="ignore"):
             chart = line_chart(self.disk, q, self.face * z)
-            s3, s4 = chart.rates(self.bar, self.eta)
+            s3, s4 = chart.rates(self.bar, self.hat)
             s4 = self.face * s4
             rho = s3 / q
             V = energy_at(b, 0.0, rho, s4, q)
@@ -170,8 +170,8 @@ class Potential:
             curvature = curvature_of(q, z, s3, s4, b)
             # What rounds: sigma3 and sigma4 are sums, and at the vertical D is a difference of terms of order 1
             most3 = abs(chart.bar_to_sigma3 * self.bar)
-            most3 += np.maximum(abs(chart.eta_hat_to_sigma3), b.k * b.r0) * abs(self.eta)
-            most4 = abs(chart.bar_to_sigma4 * self.bar) + abs(chart.eta_hat_to_sigma4 * self.eta)
+            most3 += np.maximum(abs(chart.eta_hat_to_sigma3), b.k * b.r0) * abs(self.hat)
+            most4 = abs(chart.bar_to_sigma4 * self.bar) + abs(chart.eta_hat_to_sigma4 * self.hat)
             size = most3 / q * (b.I1 * most3 / q * abs(z) / q + b.J * most4) + abs(z)
         return Terms(V, slope, curvature, size, rho)
 
@@ -207,14 +207,18 @@ class Potential:
 
     def at_flat(self, face: int) -> float:
         """V at a flat state in natural units: V_0 on its line, eq. (6.9); infinite off it."""
-        if self.etas()[sign("face", face)] != 0.0:
+        if self.hats()[sign("face", face)] != 0.0:
             return math.inf
         return self.disk.energy_at_flat(self.bar)
 
     def outermost(self, face: int) -> float:
         """|y| beyond which V' keeps its sign towards flat; sin phi = tanh y."""
-        eta, rates = abs(self.etas()[sign("face", face)]), 1.0 + abs(self.bar) + abs(self.eta)
-        tilt = _FLAT / rates**2 if eta == 0.0 else _WALL * min(eta, 1.0) / rates
+        b, hat = self.disk.body, abs(self.hats()[sign("face", face)])
+        eta, spin = self.disk.eta_hat_to_eta(hat), abs(self.bar) / (b.k * b.r0) + b.r0 * hat
+        if hat == 0.0:
+            tilt = _FLAT / (1.0 + abs(self.bar) + abs(self.hat)) ** 2
+        else:  # V' is eta^2/(I1 tilt^3), and besides up to J eta spin/tilt and 1; spin: sigma4 there
+            tilt = _WALL * min(math.sqrt(eta / (b.J * spin)), (eta / math.sqrt(b.I1)) ** (2.0 / 3.0))
         return math.log(2.0 / max(tilt, _SMALLEST))
 
     @cached_property
@@ -393,14 +397,14 @@ def potential(
     require_axial_inertia(disk)
     bar = _constant("sigma3_bar", sigma3_bar) / disk.rate_unit
     if sigma4_bar is None:
-        eta = 0.0 if eta_hat is None else _constant("eta_hat", eta_hat)
-        return Potential(disk, bar, eta / disk.rate_unit, sign("face", face))
+        hat = 0.0 if eta_hat is None else _constant("eta_hat", eta_hat) / disk.rate_unit
+        return Potential(disk, bar, hat, sign("face", face))
     if eta_hat is not None:
         raise InputError("eta_hat and sigma4_bar say the same; leave out one")
     spin, slope = _constant("sigma4_bar", sigma4_bar) / disk.rate_unit, line_slope(disk)
     nearer = 1 if nearer_plus(np.array(slope * bar - spin), np.array(slope * bar + spin)) else -1
-    eta = slope * bar - nearer * spin
-    return Potential(disk, bar, 0.0 if abs(eta) <= 4.0 * _EPS * abs(spin) else eta, nearer)
+    hat = slope * bar - nearer * spin
+    return Potential(disk, bar, 0.0 if abs(hat) <= 4.0 * _EPS * abs(spin) else hat, nearer)
 
 
 def _constant(name: str, value: float) -> float:

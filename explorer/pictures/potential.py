@@ -78,7 +78,7 @@ def phase_portrait(ax: Axes, potential: Potential, energies: tuple[float, float]
     ax.set_ylim(-fastest, fastest)
     legend_below(ax, handles=[*grounds([potential]), *ax.get_legend_handles_labels()[0]], ncols=4)
     eta_hat = rf"$\hat\eta$ = {number(potential.eta_hat, '.4g')} beside"
-    title = f"{_name(potential)}, {'on' if potential.eta == 0.0 else eta_hat} ${_line(potential)}$"
+    title = f"{_name(potential)}, {'on' if potential.hat == 0.0 else eta_hat} ${_line(potential)}$"
     phi_axis(ax)
     dress(ax, r"$\varphi$ (rad); flat at ±π/2", coordinate_label("phidot", potential.disk), title)
 
@@ -197,13 +197,13 @@ def portrait_of_sides(figure: Figure, potential: Potential, energies: tuple[floa
     potential: from `explorer.potential`, for constants on one side of a line l_+ or l_-. The other side is its
     mirror image, with -eta_hat.
     """
-    if potential.eta == 0.0:
+    if potential.hat == 0.0:
         raise InputError(
             "picture portrait-of-sides: the potential is on F itself; give one with an eta_hat beside it"
         )
     tilt, race = figure.subplots(1, 2, sharey=True)
     for side in (1, -1):
-        each = replace(potential, eta=side * abs(potential.eta))
+        each = replace(potential, hat=side * abs(potential.hat))
         _one_side(tilt, race, each, each.levels(energies, _LEVELS_OF_SIDES))
         tilt.lines[-1].set_label(rf"$\hat\eta$ = {number(each.eta_hat, '.4g')}")
     for face in (-1, 1):
@@ -220,7 +220,7 @@ def portrait_of_sides(figure: Figure, potential: Potential, energies: tuple[floa
 
 def _one_side(tilt: Axes, race: Axes, potential: Potential, energies: Iterable[float]) -> None:
     """The levels of one side that come near its flat state, in both planes."""
-    side = 1 if potential.eta > 0.0 else -1
+    side = 1 if potential.hat > 0.0 else -1
     end, way = (1 if potential.face > 0 else 0), 1.0
     for energy in energies:
         for piece in potential.components(float(energy)):
@@ -251,9 +251,9 @@ def _curves(places: dict[str, Potential]) -> list[tuple[str, tuple[Any, ...]]]:
     every = wide = [*places.values()]
     if not {"given", "beside"} & set(places):
         on = places["on"]
-        every = [on, *(replace(on, eta=sign * size) for size in _NEAR for sign in (1.0, -1.0))]
+        every = [on, *(replace(on, hat=sign * size) for size in _NEAR for sign in (1.0, -1.0))]
         wide = [
-            each for each in every if abs(each.eta) in (0.0, _NEAR[-1])
+            each for each in every if abs(each.hat) in (0.0, _NEAR[-1])
         ]  # on the axis of phi the others are one
     return [("potential", (wide,)), ("potential-near-flat", (every, True))]
 
@@ -274,8 +274,8 @@ def potentials(ax: Axes, several: Sequence[Potential], near_flat: bool = False) 
     """
     disk = several[0].disk
     top = max(float(each.V(0.0)) for each in several) + (0.2 if near_flat else 0.6) * disk.energy_unit
-    ordered = sorted(several, key=lambda each: (each.eta != 0.0, each.eta < 0.0, abs(each.eta)))
-    signs = [int(np.sign(each.eta)) for each in ordered]
+    ordered = sorted(several, key=lambda each: (each.hat != 0.0, each.hat < 0.0, abs(each.hat)))
+    signs = [int(np.sign(each.hat)) for each in ordered]
     named: set[str] = set()
     for place, (potential, side) in enumerate(zip(ordered, signs, strict=True)):
         alone = signs.count(side) == 1
@@ -299,7 +299,7 @@ def potentials(ax: Axes, several: Sequence[Potential], near_flat: bool = False) 
     x = r"$\varphi$ (rad); flat at ±π/2"
     if near_flat:
         x = r"tilt from flat $\theta$ (rad)"
-        walls = [abs(each.eta_hat) / disk.rate_unit for each in several if each.eta]
+        walls = [abs(each.eta_hat) / disk.rate_unit for each in several if each.hat]
         ax.set_xscale("log")
         ax.set_xlim(2.0, 0.1 * min(walls, default=1e-5))  # flat at the right, as in phi
     else:
@@ -325,7 +325,7 @@ def _curve(ax: Axes, potential: Potential, near_flat: bool, top: float, style: d
     V = potential.at_y((potential.face if near_flat else 1) * y).V * potential.disk.energy_unit
     x = 2.0 * np.arctan(np.exp(-y)) if near_flat else np.arctan(np.sinh(y))
     ax.plot(x, np.where(top >= V, V, np.nan), **style)
-    if near_flat and potential.eta > 0.0:
+    if near_flat and potential.hat > 0.0:
         wall = x[np.flatnonzero(top >= V)[-1]]
         size = rf"$\hat\eta = \pm${number(potential.eta_hat, '.4g')}"
         there: dict[str, Any] = {"xytext": (5, 0), "textcoords": "offset points", "fontsize": SMALL}

@@ -93,11 +93,42 @@ def test_the_equilibrium_near_flat_follows_its_law(eta):
     assert near.theta == pytest.approx(law, rel=2.0 * eta**0.25)
 
 
+def test_no_equilibrium_is_missed_however_thin_the_body_and_far_the_wall():
+    """A wall on both sides: one centre more than saddles; and motions turn where the arcs of `periods` end."""
+    rng = np.random.default_rng(3)
+    for least in np.repeat([-3.0, -30.0, -100.0], 40):
+        I1, thin, bar, hat = 10.0 ** rng.uniform([-5.0, -12.0, -3.0, least], [1.0, 0.3, 3.0, 3.0])
+        signs, face = rng.choice([-1.0, 1.0], 2), int(rng.choice([-1, 1]))
+        disk = ex.Disk(I1=I1, I3=thin * I1)
+        made = ex.potential(disk, signs[0] * bar, signs[1] * hat, face)
+        kinds = [at.kind for at in made.equilibria]
+        assert kinds.count(CENTRE) - kinds.count(SADDLE) == 1
+        assert np.isfinite(made.levels()).all()
+        for at in made.equilibria:
+            pieces = [piece for piece in made.components(1.01 * at.energy) if piece.low <= at.phi <= piece.high]
+            if at.kind == CENTRE and at.theta > 1e-12 and pieces[0].ends == (TURNING, TURNING):
+                given = {"sigma3_bar": made.sigma3_bar, "eta_hat": made.eta_hat, "face": face}
+                states = ex.coordinates_to_states(disk, phi=at.phi, energy=1.01 * at.energy, **given)
+                tilt = 2.0 * math.atan(math.exp(-max(map(abs, pieces[0].y))))
+                assert ex.periods(states).theta_min[0] == pytest.approx(tilt, rel=1e-9)
+
+
+@pytest.mark.parametrize(("I1", "I3", "bar", "eta_hat"), [(0.3, 1e-7, 10.0, 1.0), (0.00186, 9.3e-9, 1.6, 0.43)])
+def test_a_thin_body_rests_where_the_wall_meets_its_spin(I1, I3, bar, eta_hat):
+    """There rho = eta/(I1 theta) turns at the rate eta/(I1 theta^2) = J spin/I1; spin is sigma4 at flat."""
+    disk = ex.Disk(I1=I1, I3=I3)
+    (only,) = ex.potential(disk, bar, eta_hat).equilibria
+    b = disk.body
+    spin = bar / (b.k * b.r0) - b.r0 * eta_hat
+    assert only.kind == CENTRE
+    assert only.theta == pytest.approx(math.sqrt(b.I3 * b.r0 * eta_hat / (b.J * spin)), rel=1e-3)
+
+
 def test_constants_on_a_line_to_rounding_are_on_it(body):
     for face in (1, -1):
         on = ex.potential(body, 0.2 * body.rate_unit, 0.0, face)
         found = ex.potential(body, on.sigma3_bar, sigma4_bar=on.sigma4_bar)
-        assert (found.eta, found.face) == (0.0, face)
+        assert (found.hat, found.face) == (0.0, face)
 
 
 def test_a_motion_started_at_a_centre_stays_and_one_at_a_saddle_leaves():

@@ -216,7 +216,7 @@ def test_the_curves_of_the_potential_are_its_values(near_flat):
     potentials = [ex.potential(UNIFORM, 0.25, eta) for eta in (0.0, 0.01, -0.01)]
     (ax,) = ex.picture("potentials", potentials, near_flat).axes
     for potential, name in zip(potentials, ("0", "0.01", "−0.01"), strict=True):
-        on = "on the line, " if potential.eta == 0.0 else ""
+        on = "on the line, " if potential.hat == 0.0 else ""
         x, V = named(ax, rf"{on}$\hat\eta$ = {name}").get_data()
         phi = 0.5 * math.pi - x if near_flat else x
         shown = np.isfinite(V) & (abs(phi) < 1.57)
