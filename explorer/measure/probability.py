@@ -207,7 +207,7 @@ def probability(
         )
         return _plainly(counted, law, why, asked)
     value, error = rare.estimate.value / counted.share, rare.estimate.error / counted.share
-    error = math.hypot(error, value * counted.share_error)
+    error = math.hypot(error, value * math.sqrt((1.0 - counted.share) / counted.states))
     reach = error * float(scipy.stats.t.ppf(0.975, rare.estimate.dof))
     interval = float(max(value - reach, 0.0)), float(value + reach + rare.unknown / counted.share)
     return Probability(float(value), interval, rare.effective, law, "importance", note, asked)
@@ -240,11 +240,6 @@ class _Counted(NamedTuple):
     def share(self) -> float:
         """Of draws that are states."""
         return self.states / self.draws
-
-    @property
-    def share_error(self) -> float:
-        """Its relative standard error."""
-        return math.sqrt((1.0 - self.share) / self.states)
 
 
 def _counted(

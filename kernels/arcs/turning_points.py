@@ -127,7 +127,7 @@ def steepest(q: float, ratio: float, sigma4: float, energy: float, inward: bool,
 
 @contracted_device
 def step_of(moving: float, slope: float, bound: float) -> float:
-    """How far the motion goes on at least; moving: K there, slope: dK/dd; deep below, of squares nothing is left."""
+    """How far the motion goes on at least; moving: K there, slope: dK/dd. Deep below their squares underflow."""
     steep, left = slope / bound, moving / bound
     root = math.sqrt(steep * steep + 2.0 * (left if left > 0.0 else 0.0))
     rising, falling = steep + root, 2.0 * left / max(root - steep, _LEAST)
@@ -338,9 +338,9 @@ def search_rest(A: Vector, b: Body) -> None:
 def next_zero(K: float, fall: float, bend: float) -> tuple[float, float]:
     """How far beyond a point the parabola of K has its next zero, inf for none, and, if complex, how far aside.
 
-    fall: the rate at which K falls there; bend: V''. Deep below, of their squares nothing is left.
+    fall: the rate at which K falls there; bend: V''. Deep below their squares underflow.
     """
-    scale = 1.0 / max(max(abs(K), abs(fall)), max(abs(bend), _LEAST))
+    scale = 1.0 / max(max(_LEAST, abs(K)), max(abs(fall), abs(bend)))
     K, fall, bend = K * scale, fall * scale, bend * scale
     square = fall * fall + 2.0 * bend * K
     root = math.sqrt(abs(square))
