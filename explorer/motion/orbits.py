@@ -38,10 +38,9 @@ class Ends(NamedTuple):
         return self.inner.d + self.outer.d + np.where(self.crosses, self.far.d, 0.0)
 
     @property
-    def beside_crest(self) -> NDArray[np.bool_]:
-        """Whether a crest of the potential lies close beyond a turning point."""
-        outer: NDArray[np.bool_] = np.where(self.crosses, self.far.slow, self.outer.slow) < np.inf
-        return outer | (self.inner.slow < np.inf)
+    def slowest(self) -> Array:
+        """How near a crest of the potential lies beyond a turning point, in x; inf or NaN where none is near."""
+        return np.fmin(self.inner.slow, np.where(self.crosses, self.far.slow, self.outer.slow))
 
 
 class Orbits(NamedTuple):
@@ -89,7 +88,7 @@ def closest_to_crest(disk: Disk, motions: ArcStarts) -> Array:
     The distance in x from there to the next zero of E - V, real or complex; inf where none is near.
     """
     ends = ends_of(disk, motions)
-    closest = np.fmin(ends.inner.slow, np.where(ends.crosses, ends.far.slow, ends.outer.slow))
+    closest = ends.slowest
     other = from_place(motions.starts.X, motions.Y_far, beyond(ends.vertical))
     ends_and_starts = (
         (motions.starts, ends.inner, True),
@@ -125,7 +124,7 @@ def orbits_of(
     rule, n = compiled.rules.ArcRow, ends.crosses.size
     here, back, ahead = (np.full((len(rule._fields), n), np.nan) for _ in range(3))
     of_arc = _OF_ARC * accuracy
-    narrow = (ends.width < compiled.nutation.WIDEST) & ~ends.beside_crest
+    narrow = (ends.width < compiled.nutation.WIDEST) & ~(ends.slowest < np.inf)
     rows = np.flatnonzero(narrow)
     if rows.size:
         whole, *parts = _nutations(disk, rows_of(motions, rows), ends, rows)

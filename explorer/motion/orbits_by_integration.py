@@ -26,9 +26,7 @@ def integrated_orbits(states: States, own: Array, ends: Ends, how: Plan) -> tupl
     """
     n, finer = len(states), replace(how, accuracy=_OF_ARC * how.accuracy)
     # Of a small swing, and of how near a motion comes to rest at a crest, steps have to err by a share.
-    slow = ends.state.slow
-    starts = np.where(2.0 * slow < np.fmin(ends.inner.d, ends.outer.d), slow, np.inf)
-    small = np.fmin.reduce([ends.width, starts, ends.inner.slow, ends.outer.slow, ends.far.slow])
+    small = np.fmin(ends.width, ends.slowest)
     turns = turning_points_around(states, finer, swing=small)
     theta, face, time, chi, psi, steps, error = (
         np.stack([getattr(turn, name) for turn in turns])

@@ -21,8 +21,8 @@ class Constants(Result):
     ----------
     sigma3_bar, sigma4_bar : array
         Values that sigma3 and sigma4 have, or would have, at the vertical, units of the disk, eq. (3.5).
-        sigma4_bar is NaN where I3 = 0; it is half the difference of the two eta_hat, so where I3 is tiny it is only
-        known to some 1e-16 I1/I3.
+        sigma4_bar is NaN where I3 = 0; it is half the difference of the two eta_hat, so where I3 is tiny it is
+        only known to some 1e-16 I1/I3.
     eta_hat_plus, eta_hat_minus : array
         Signed distance of (sigma3_bar, sigma4_bar) from the lines ``l_+`` and ``l_-``, measured along sigma4_bar,
         units of the disk, eq. (6.2); NaN where I3 = 0.
