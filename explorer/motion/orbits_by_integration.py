@@ -33,7 +33,7 @@ def integrated_orbits(states: States, own: Array, ends: Ends, how: Plan) -> tupl
         for name in ("theta", "face", "time", "chi", "psi", "steps", "error")
     )
     # Each step may round the tilt by its last digit, and turning points come early or late by that share.
-    swing = np.fmin(abs(np.subtract(*(face * np.log(np.tan(0.5 * theta))))), small)
+    swing = np.fmin(abs(np.subtract(*(face * np.log(np.tan(0.5 * theta))))), ends.width)
     with np.errstate(divide="ignore"):  # nothing is known where no swing is seen
         share = np.finfo(np.float64).eps * steps.sum(axis=0) / swing
     late, off = share * time.sum(axis=0), share * np.fmax(abs(chi.sum(axis=0)), abs(psi.sum(axis=0)))
