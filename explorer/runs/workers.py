@@ -119,6 +119,11 @@ def _end_with(parent: int) -> None:
     os._exit(1)  # in the middle of a chunk, which another run computes
 
 
+def _is_other(record: logging.LogRecord) -> bool:
+    """Than what dask leaves of a question to a worker that is lost, which a sentence tells."""
+    return "AllExit" not in str(record.exc_info)
+
+
 @contextlib.contextmanager
 def _cluster(settings: Settings) -> Iterator[Any]:
     """A client of the cluster at the scheduler's address, or of one on the loopback. Raises RunError."""
@@ -127,7 +132,7 @@ def _cluster(settings: Settings) -> Iterator[Any]:
     # A dashboard None would ask for a port that another run has; no user can mend what dask logs.
     quiet = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
-    logging.getLogger("asyncio").addFilter(lambda record: "AllExit" not in str(record.exc_info))
+    logging.getLogger("asyncio").addFilter(_is_other)
     with contextlib.ExitStack() as until_done:
         try:
             with withheld():

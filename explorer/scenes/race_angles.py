@@ -128,9 +128,8 @@ class RaceAngles(FromStates):
             tally.angles[name] += Histogram(counts)
         if known.any():
             lowest = int(group[known].min())
-            sums = np.bincount((group[known] - lowest).astype(np.int64), deviation[known])
-            for n, total in enumerate(sums.tolist(), lowest):
-                tally.deviations[str(n)] += total
+            for n, total in enumerate(np.bincount(group[known].astype(int) - lowest, deviation[known]), lowest):
+                tally.deviations[str(n)] += float(total)
         tally.decades.count(deviation, group)
         count_law(tally.law, self.disk, eta_hat, race, table["impact_speed"], table["error_estimate"])
         tally.error_estimate.count(table["error_estimate"])

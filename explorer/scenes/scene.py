@@ -199,8 +199,7 @@ class SampledScene(Scene):
 
     def checked(self, table: Table) -> Table:
         """What `observe` returned. Raises RunError where it is no table with statuses and what `columns` names."""
-        there = table if isinstance(table, dict) else {}
-        missing = [name for name in ("status", *self.columns) if name not in there]
+        missing = [name for name in ("status", *self.columns) if not (isinstance(table, dict) and name in table)]
         if missing:
             raise RunError(f"scene {self.name}: observe returns no column {missing[0]}; return a dict with it")
         shapes = {name: np.shape(values) for name, values in table.items()}

@@ -145,7 +145,7 @@ class FromStates(FromDensity):
                 yield Block(states, known, {name: columns[name] for name in columns if name not in known})
 
     def first_states(self, count: int, seed: int = 0) -> States:
-        """A few states like those of the run, in the main the same for all runs, so that they can be merged."""
+        """A few states like those of the run: the same whatever its seed is, so that runs can be merged."""
         if self.states is not None:
             return self.states.read(self.disk, 0, min(count, self.samples)).states
         return self.box.states(self.disk, self.draw(chunk_stream(seed, 0), count))
