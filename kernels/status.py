@@ -30,6 +30,7 @@ class Status(IntEnum):
     NOT_FINITE = 5
     INVARIANT_DRIFT = 6
     UNRESOLVED_SIDE = 7
+    TOO_FEW_DIGITS = 8
 
     @property
     def sentence(self) -> str:
@@ -51,9 +52,9 @@ _TEXTS = {
     ),
     Status.BAD_INPUT: (
         "The numbers do not describe a state (not finite, too large, already flat, a face other than +1 and -1), "
-        "or they start a passage whose energy is too low for the disk to come near flat.",
+        "or they start a passage that turns back before it comes to the window, or at once.",
         "Give finite numbers below 1e75 natural units, with phi between -pi/2 and pi/2. For a passage, give a "
-        "speed towards flat that is not negative, and is large enough to come near flat.",
+        "speed towards flat that is not negative, and a window that the passage comes to.",
     ),
     Status.STEP_LIMIT: (
         "The limit of steps or of quadrature points was reached before the end of the motion, or before the "
@@ -75,5 +76,11 @@ _TEXTS = {
     Status.UNRESOLVED_SIDE: (
         "The error of eta is not small compared with eta, so the direction of the race is unknown.",
         "Give eta_hat itself, to `constants_to_states` or `passages`, or start further from F.",
+    ),
+    Status.TOO_FEW_DIGITS: (
+        "The state has too few digits for the accuracy asked for: so near F its smallest tilt depends on digits "
+        "of eta that rounding of the state has lost.",
+        "Give eta_hat itself, to `constants_to_states` or `passages`, allow larger errors (a larger `accuracy`), "
+        "or start further from F.",
     ),
 }

@@ -35,4 +35,4 @@ def draw(rng, n, wild):
 def start_on_f(disk, face, sigma3_bar=1.0, speed=1.0):
     """A start at the vertical on F; sigma3_bar and speed in natural units."""
     unit = disk.rate_unit
-    return constants_to_states(disk, sigma3_bar * unit, 0.0, face * speed * unit, face)
+    return constants_to_states(disk, sigma3_bar * unit, 0.0, speed * unit, face)

@@ -86,7 +86,7 @@ class Motions:
 
     def __init__(self, disk, n, seed):
         bar, eta_hat, speed, face = across(disk, n, seed)
-        states = ex.constants_to_states(disk, bar, eta_hat, face * speed, face)
+        states = ex.constants_to_states(disk, bar, eta_hat, speed, face)
         ends = np.repeat(ENDS, -(-n // (len(ENDS) * self.at_once)))
         parts = np.array_split(np.arange(n), ends.size)
         times = [end * disk.time_unit * self.shares for end in ends]

@@ -14,7 +14,7 @@ from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.reference_samples import ReferencePassages, ReferenceSamples, through_time
 from explorer.motion.work_precision import Measured, Row, measure
 from explorer.paths import made_folder
-from explorer.phase.coordinates import constants_to_states
+from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.scenes.options import DISK, RANGE, RANGES, TRUTH, Options, Reader, option, whole_from
 from explorer.scenes.race_angles import NearF, start_of
@@ -79,7 +79,7 @@ class Trading(Options):
         drawn = joined([block for index in range(scene.chunks) for block in scene.blocks(index)])
         passages = ReferencePassages(self.disk, starts_at_vertical(self.disk, *start_of(drawn)))
         first = {name: values[: self.motions] for name, values in drawn.items()}
-        motions = through_time(constants_to_states(self.disk, **first), self.t_end)
+        motions = through_time(coordinates_to_states(self.disk, **first), self.t_end)
         return [passages, motions] if self.motions else [passages]
 
 

@@ -28,11 +28,6 @@ def rule() -> "compiled.rules.Rule":
     return compiled.rules.make_rule()
 
 
-def depth(phi: float) -> float:
-    """How far the tilt phi (rad) is below the vertical, in x = ln tan(theta/2)."""
-    return float(np.arctanh(np.sin(phi)))
-
-
 def from_place(
     X: Array, Y: Array, place: "compiled.turning_points.Place[Array]"
 ) -> "compiled.turning_points.Starts":

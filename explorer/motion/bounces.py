@@ -195,7 +195,7 @@ def bounce_kernels(how: Plan) -> tuple[str, ...]:
 @np.errstate(invalid="ignore", divide="ignore")  # of motions that were not found
 def _bounces(states: States, count: int, how: Plan) -> Bounces:
     """The first `count` bounces of motions that have a period, those on one and on the other face in turn."""
-    disk, own, code = states.disk, face_of(states), compiled.status.Status
+    disk, own = states.disk, face_of(states)
     rises, number = own * states.rows.p > 0.0, np.arange(count, dtype=np.float64)
     # Where nothing is asked but the first one, the other passage of a motion may stay unknown.
     both = rises | (count > 1)
@@ -240,7 +240,7 @@ def _bounces(states: States, count: int, how: Plan) -> Bounces:
         race_angle=chi - fall_angle,
         duration=duration * disk.time_unit,
         error_estimate=np.fmax(error, late),
-        status=np.where(known[:, None], code.OK, code.STEP_LIMIT).astype(np.int8) + np.zeros_like(none, np.int8),
+        status=motions.status(known, crosses, how.accuracy)[:, None] + np.zeros_like(none, np.int8),
         states=states,
     )
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.arcs import PIECE, arcs_between, by_rules, depth, from_place, integrals, places
+from explorer.motion.arcs import PIECE, arcs_between, by_rules, from_place, integrals, places
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
 from explorer.phase.linear_constants import line_slope, rows_of
@@ -35,8 +35,8 @@ def fall_integrals(
 ) -> "compiled.passages.FallRow[Array]":
     """The falls on F that leave the vertical so, once to flat, face +1, natural units; NaN for what does not fall.
 
-    edge: phi (rad) at which they begin instead. accuracy: of twice the angle, and of the time; 0: the best there
-    is. What lacks energy to be at the vertical falls from rest below it.
+    edge: how far below the vertical they begin, in x = ln tan(theta/2). accuracy: of twice the angle, and of the
+    time; 0: the best there is. What lacks energy to be at the vertical falls from rest below it.
     """
     n, most = departures.level.size, max(0.5 * OF_FALL * accuracy, _BEST)
     out = np.full((4, n), np.nan)
@@ -85,7 +85,7 @@ def falls_as_arcs(
     bar, K, n = departures.sigma3_bar[rows], departures.moving[rows], rows.size
     X, none = bar / disk.body.r0, np.zeros(n)
     starts = compiled.turning_points.Starts(X, none, K, none + 1.0, none, bar, line_slope(disk) * bar)
-    begin = places(disk, starts, none + depth(edge), True)
+    begin = places(disk, starts, none + edge, True)
     rest = np.flatnonzero(place(*begin).K < 0.0)
     if rest.size:
         found = np.empty((begin.shape[0], rest.size))

@@ -96,11 +96,11 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     starts = starts_at_vertical(disk, bar, eta, speed, np.ones_like(bar))
     groups = blocks(starts.status.size, BLOCK // _POINTS)
     normal, friction = np.concatenate([_extremes(disk, rows_of(starts, rows)) for rows in groups], axis=1)
-    code, falls, good = compiled.status.Status, starts.eta_hat == 0.0, starts.status == compiled.status.Status.OK
+    code, good = compiled.status.Status, starts.status == compiled.status.Status.OK
     # No friction is enough where the table would have to pull; elsewhere an infinite one has overflowed.
     overflown = np.isnan(friction) | (np.isinf(friction) & (normal > 0.0))
     lost = good & (overflown | ~np.isfinite(normal))
-    status = np.where(lost, np.where(falls, code.FALLS, code.NOT_FINITE), starts.status).astype(np.int8)
+    status = np.where(lost, code.NOT_FINITE, starts.status).astype(np.int8)
     normal[lost | ~good] = friction[lost | ~good] = np.nan
     return Forces(disk, bar, eta, speed, normal, friction, status).reshaped(shape)
 

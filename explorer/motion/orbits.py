@@ -190,20 +190,13 @@ def _nutations(disk: Disk, motions: ArcStarts, ends: Ends, rows: NDArray[np.intp
     """Of motions whose turning points are near together the arc between these, and the same arcs as above."""
     inner, outer, vertical = (rows_of(place, rows) for place in (ends.inner, ends.outer, ends.vertical))
     crosses, far = ends.crosses[rows], ends.far.d[rows]
-    # Rounding moves both turning points by as large a share of the way there; from rest one is where it is.
-    shares = [np.divide(end.error, end.d, np.zeros(crosses.size), where=end.d > 0.0) for end in (inner, outer)]
-    # About the vertical both sides err alike, and what is left is rounding of V' there.
-    body, to, turn = disk.body, inner.d + outer.d, vertical.sigma3
-    terms = body.J * abs(turn * vertical.sigma4) + body.I1 * turn * turn + 1.0
-    with np.errstate(divide="ignore", invalid="ignore"):  # hardly a speed there, or none: not known
-        moved = 16.0 * np.finfo(np.float64).eps * terms * to * far / (vertical.K * (to + far))
     wells = compiled.nutation.Wells(
         from_place(motions.starts.X, motions.starts.Y, inner),
+        from_place(motions.starts.X, motions.starts.Y, rows_of(ends.state, rows)),
         inner.d,
         outer.d + np.where(crosses, far, 0.0),
         np.where(crosses, inner.d + outer.d, np.inf),
         np.where(crosses, far, np.inf),
-        np.where(crosses, moved, np.fmax(*shares)),
         motions.Y_far,
         vertical.sigma3,
         -vertical.sigma4,

@@ -74,10 +74,10 @@ def _from_vertical(
     disk, motion, unit = states.disk, rows_of(states.motion, rows), states.disk.rate_unit
     eta_hat, own = disk.eta_to_eta_hat(motion.eta(face[rows] > 0.0)), face[rows]
     with np.errstate(invalid="ignore"):  # no speed where there is no vertical: bad input, and no answer
-        phidot = own * np.sqrt(2.0 * disk.body.inv_M * ends.vertical.K[rows])
+        speed = np.sqrt(2.0 * disk.body.inv_M * ends.vertical.K[rows])
     # Of the other eta more digits are known than this one tells.
     at = replace(
-        constants_to_states(disk, motion.sigma3_bar * unit, eta_hat * unit, phidot * unit, own), given=motion
+        constants_to_states(disk, motion.sigma3_bar * unit, eta_hat * unit, speed * unit, own), given=motion
     )
     turn, error = followed_to_flattest(at, how, swing)
     failed = (turn.status != compiled.status.Status.OK) | (turn.face != own)

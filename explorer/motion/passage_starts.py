@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
+from explorer.motion.fall_integrals import departures_of_moving
 from explorer.phase.disk import LARGEST_RATE, Disk, require_axial_inertia
 from explorer.phase.states import Array
 
@@ -15,8 +16,8 @@ SMALLEST = 1e-302  # of eta_hat, natural units: below, eta = I3 r(0) eta_hat los
 class VerticalStarts(NamedTuple):
     """Starts at the vertical towards the flat state of `face`, columns in the units of the disk.
 
-    speed: phidot towards that flat state. Where status is not OK the numbers are placeholders: no kernel ever
-    sees what means nothing.
+    speed: phidot towards that flat state. Numbers that mean nothing, and have a status, are placeholders: no
+    kernel ever sees them.
     """
 
     sigma3_bar: Array
@@ -36,7 +37,7 @@ def starts_at_vertical(disk: Disk, sigma3_bar: Array, eta_hat: Array, speed: Arr
     """Starts from columns that were read; their status says which can be computed.
 
     A number that is not finite or whose square overflows is no input; an eta_hat that is lost in the smallest
-    numbers of the machine has no side.
+    numbers of the machine has no side; with an eta_hat of 0 and more energy than V_0 the disk falls.
     """
     require_axial_inertia(disk)
     code, unit = compiled.status.Status, disk.rate_unit
@@ -45,6 +46,10 @@ def starts_at_vertical(disk: Disk, sigma3_bar: Array, eta_hat: Array, speed: Arr
     lost = good & (eta_hat != 0.0) & (abs(eta_hat) < SMALLEST * unit)
     status = np.where(good, np.where(lost, code.UNRESOLVED_SIDE, code.OK), code.BAD_INPUT).astype(np.int8)
     usable = status == code.OK
+    on_f = np.flatnonzero(usable & (eta_hat == 0.0))
+    kinetic = 0.5 * disk.body.M * (speed[on_f] / unit) ** 2
+    level = departures_of_moving(disk, sigma3_bar[on_f] / unit, np.zeros(on_f.size), kinetic, kinetic).level
+    status[on_f[level > 0.0]] = code.FALLS
     return VerticalStarts(
         np.where(usable, sigma3_bar, unit),
         np.where(usable, eta_hat, np.copysign(unit, eta_hat)),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -34,8 +35,9 @@ _FLOOR = 1e-9
 class Passages(Result):
     """Passages near flat, arrays of the arguments' shape, in the units of the disk: what `passages` returns.
 
-    If the status of a sample is not OK, all that is computed for it is NaN. The exception is a sample with eta_hat
-    = 0, which falls: its status is FALLS, and its fall_time, fall_angle, energy and impact_speed are given.
+    If the status of a sample is not OK, all that is computed for it is NaN. The exception is a sample that falls,
+    because its eta_hat is 0: its status is FALLS, and its fall_time, fall_angle, energy and impact_speed are
+    given.
 
     Attributes
     ----------
@@ -44,7 +46,7 @@ class Passages(Result):
     sigma3_bar, eta_hat, phidot, face : array
         As given.
     race_angle : array
-        delta_chi less fall_angle (rad): how far the contact point races round the rim.
+        delta_chi less fall_angle (rad): how far the contact point races round the rim. NaN where fall_angle is.
     wrong_way : array of bool
         Whether the contact point moves against sgn(eta) at the flattest moment.
     delta_chi, delta_psi : array
@@ -52,15 +54,17 @@ class Passages(Result):
     fall_angle : array
         Increase of chi, without its jump, along the limit motion with the same sigma3_bar and energy (rad): from
         the vertical to flat and back, or, if that motion turns before the vertical, from its turning point to flat
-        and back.
+        and back. NaN where that motion does not exist: E <= V_0, so that the disk could not come flat.
     theta_min : array
         Smallest tilt from flat (rad).
     duration, fall_time : array
         Time of the passage; and, for a sample that falls, the time from the vertical to flat (NaN for all others).
     energy, impact_speed : array
-        Energy, and the speed A of eq. (7.1) with which the limit motion arrives (units of the disk).
+        Energy, and the speed A of eq. (7.1) with which the limit motion arrives (units of the disk), NaN where
+        there is none.
     limit : array
-        sgn(eta) kappa pi (rad), to which race_angle tends as eta goes to 0, eq. (7.16).
+        sgn(eta) kappa pi (rad), to which race_angle tends as eta goes to 0, eq. (7.16); NaN where there is no
+        race.
     error_estimate : array
         Of the angles (rad) and of duration and theta_min (relative), whichever is larger.
     status : array of int8
@@ -183,7 +187,7 @@ def passages_by(
 ) -> tuple[Passages, NDArray[np.int32] | None]:
     """As `passages`, by a plan that was made, which may name its setting; and the steps of an integrator.
 
-    edge: the tilt phi (rad) of the window. tables: False for quadrature by arcs alone.
+    edge: as `_edge_of`. tables: False for quadrature by arcs alone.
     """
     if how.method == "quadrature":
         some = (rows_of(starts, rows) for rows in blocks(starts.status.size))
@@ -206,12 +210,13 @@ def passage_kernels(how: Plan) -> tuple[str, ...]:
 
 
 def _edge_of(window: float | None, method: str) -> float:
-    """The tilt phi at the edge of the window (rad); 0 for the vertical."""
+    """How far the edge of the window lies below the vertical, in x = ln tan(theta/2), without loss of digits."""
     if window is None:
         return 0.0
     if method != "quadrature":
         raise InputError(f"window: {method} goes from vertical to vertical; use method='quadrature'")
-    return float(np.arccos(positive("window", window, 1.0)))
+    q = positive("window", window, 1.0)
+    return math.log1p(math.sqrt((1.0 - q) * (1.0 + q))) - math.log(q)
 
 
 @np.errstate(over="ignore")  # of starts that are no input

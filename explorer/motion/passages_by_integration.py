@@ -25,10 +25,9 @@ def by_integration(
     Also how many steps were attempted for each.
     """
     code, face = compiled.status.Status, starts.face
-    states = constants_to_states(disk, starts.sigma3_bar, starts.eta_hat, face * starts.speed, face)
+    states = constants_to_states(disk, starts.sigma3_bar, starts.eta_hat, starts.speed, face)
     turn, error = followed_to_flattest(states, how)
-    status = np.where(starts.eta_hat == 0.0, code.FALLS, turn.status)
-    status = np.where(starts.status == code.OK, status, starts.status).astype(np.int8)
+    status = np.where(starts.status == code.OK, turn.status, starts.status).astype(np.int8)
     ok = status == code.OK
     status[ok & ~(error <= accepted(how, 0.0))] = code.STEP_LIMIT
     # A passage ends at the flat state it was sent to; one that turns elsewhere was never near it.

@@ -4,18 +4,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.arcs import depth, from_place, next_inward, places
+from explorer.motion.arcs import from_place, next_inward, places
 from explorer.motion.fall_integrals import OF_FALL, by_tables
 from explorer.motion.orbits import ends_of, orbits_of
 from explorer.motion.passage_starts import VerticalStarts
 from explorer.motion.plan import Plan
-from explorer.motion.starts import ArcStarts
+from explorer.motion.starts import ArcStarts, kinetic
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
 from explorer.phase.linear_constants import line_slope, rows_of
 from explorer.phase.states import Array
-
-_AS_FROM_REST = 1e-140  # of speeds: less changes no digit, and its square may have none
 
 
 def by_quadrature(
@@ -23,13 +21,12 @@ def by_quadrature(
 ) -> "compiled.races.Samples":
     """Passages as integrals: by the tables of the body where these serve, else as arcs.
 
-    edge: the tilt phi (rad) at which they start and stop, 0 for the vertical. tables: False for arcs alone.
+    edge: how far below the vertical they start and stop, in x = ln tan(theta/2). tables: False for arcs alone.
     """
     crossings = starts.natural(disk)
     n, code = starts.status.size, compiled.status.Status
     out, most = np.full((8, n), np.nan), (1.0 - OF_FALL) * how.accuracy
     found, status = compiled.passages.PassageRow(*out), starts.status.copy()
-    status[(status == code.OK) & (crossings.eta == 0.0)] = code.FALLS
 
     def left() -> NDArray[np.intp]:
         error = np.maximum(found.angle_error, found.time_error)  # NaN where there is no answer
@@ -40,9 +37,9 @@ def by_quadrature(
     rows = left()
     if rows.size:
         out[:, rows], status[rows] = as_arcs(disk, rows_of(crossings, rows), edge, most)
-    (bar, eta, speed), energy, on_f = crossings, found.energy, crossings.eta == 0.0
-    if on_f.any():  # what lies on F was left out
-        energy = np.where(on_f, energy_at(disk.body, speed, bar, line_slope(disk) * bar, 1.0), energy)
+    (bar, eta, speed), energy, falls = crossings, found.energy, status == code.FALLS
+    if falls.any():  # these were left out
+        energy = np.where(falls, energy_at(disk.body, speed, bar, line_slope(disk) * bar, 1.0), energy)
     error = np.fmax(found.angle_error, found.time_error)
     followed = found.theta_min, found.chi, found.psi, found.time, found.turn_rate
     return compiled.races.Samples(bar, eta, speed, starts.face, *followed, energy, error, status)
@@ -62,8 +59,8 @@ def as_arcs(
     energy = energy_at(b, crossings.speed, crossings.sigma3_bar, motions.starts.sigma4, 1.0)
     missed = np.zeros(n, np.bool_)
     if edge > 0.0:
-        at = places(disk, motions.starts, np.full(n, depth(edge)), True)
-        missed = ~(next_inward(disk, motions.starts).d > depth(edge))
+        at = places(disk, motions.starts, np.full(n, edge), True)
+        missed = ~(next_inward(disk, motions.starts).d > edge)
         motions = motions._replace(starts=from_place(X, Y, place(*at)))
     kept = np.flatnonzero(~missed)
     motions = rows_of(motions, kept)
@@ -93,6 +90,5 @@ def from_vertical(disk: Disk, crossings: "compiled.passages.Crossings") -> ArcSt
     b, (bar, eta, speed) = disk.body, crossings
     X, Y = bar / b.r0, eta / b.I1
     one, none = np.ones_like(bar), np.zeros_like(bar)
-    K = np.where(speed > _AS_FROM_REST, 0.5 * b.M * speed * speed, 0.0)
-    starts = compiled.turning_points.Starts(X, Y, K, one, none, bar, (X * b.dr0 - Y / b.r0) / b.k)
+    starts = compiled.turning_points.Starts(X, Y, kinetic(b, speed), one, none, bar, (X * b.dr0 - Y / b.r0) / b.k)
     return ArcStarts(starts, 2.0 * b.dr0 * bar - Y, none, none)

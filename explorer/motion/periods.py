@@ -137,7 +137,7 @@ def arcs_of(
 @np.errstate(invalid="ignore", divide="ignore")  # of motions that were not found
 def _periods(states: States, how: Plan) -> Periods:
     """The periods of states that have one."""
-    disk, own, code = states.disk, face_of(states), compiled.status.Status
+    disk, own = states.disk, face_of(states)
     motions, ends, (here, there, _lead) = arcs_of(states, own, how, True, False)
     back = compiled.rules.ArcRow(*np.where(ends.crosses, there, 0.0))
     time = 2.0 * (here.time + back.time)
@@ -155,6 +155,6 @@ def _periods(states: States, how: Plan) -> Periods:
         crosses=ends.crosses,
         energy=states.motion.energy * disk.energy_unit,
         error_estimate=error,
-        status=np.where(good, code.OK, code.STEP_LIMIT).astype(np.int8),
+        status=motions.status(good, ends.crosses, how.accuracy),
         states=states,
     )

@@ -11,6 +11,7 @@ from explorer.phase.falling_set import falls
 from explorer.phase.linear_constants import Motion
 from explorer.phase.states import Array, Rows, States
 
+_AS_FROM_REST = 1e-140  # of speeds: less changes no digit, and its square may have none
 # An error in eta above this share of |eta| makes the direction of the race doubtful. Ten times stricter than the
 # sign needs: the error is only seen where the motion is checked.
 _RESOLVED = 0.1
@@ -42,6 +43,11 @@ def face_of(states: States) -> Array:
     return np.where((z > 0.0) | ((z == 0.0) & plus), 1.0, -1.0)
 
 
+def kinetic(body: "compiled.body.Body", speed: Array) -> Array:
+    """E - V of a motion that tilts with this speed."""
+    return np.where(abs(speed) > _AS_FROM_REST, 0.5 * body.M * speed * speed, 0.0)
+
+
 class ArcStarts(NamedTuple):
     """What arcs of motions start from, natural units, as seen from one face; Y_far: Y of the other face.
 
@@ -52,6 +58,15 @@ class ArcStarts(NamedTuple):
     Y_far: Array
     unsure: Array
     unsure_far: Array
+
+    def status(self, known: NDArray[np.bool_], crosses: NDArray[np.bool_], accuracy: float) -> NDArray[np.int8]:
+        """OK where an answer is known to an accuracy; elsewhere whether digits of the state or of the way lack.
+
+        crosses: whether motions come to the other face.
+        """
+        code, unsure = compiled.status.Status, np.fmax(self.unsure, np.where(crosses, self.unsure_far, 0.0))
+        missed = np.where(unsure > accuracy, code.TOO_FEW_DIGITS, code.STEP_LIMIT)
+        return np.where(known, code.OK, missed).astype(np.int8)
 
 
 @np.errstate(over="ignore", divide="ignore", invalid="ignore")  # motions on F have no theta_min
@@ -65,6 +80,6 @@ def arc_starts(disk: Disk, rows: Rows, motion: Motion, plus: NDArray[np.bool_]) 
     unsure, unsure_far = motion.rounding(plus) / abs(near), motion.rounding(~plus) / abs(far)
     r, w = q / (1.0 + abs(z)), 2.0 * abs(z) / (1.0 + abs(z))
     spin = np.where(plus, sigma4, -sigma4)
-    columns = motion.sigma3_bar / b.r0, near / b.I1, 0.5 * b.M * p * p, r, w, q * ratio, spin
+    columns = motion.sigma3_bar / b.r0, near / b.I1, kinetic(b, p), r, w, q * ratio, spin
     starts = compiled.turning_points.Starts(*map(np.ascontiguousarray, columns))
     return ArcStarts(starts, far / b.I1, unsure, unsure_far)

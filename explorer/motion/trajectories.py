@@ -54,7 +54,8 @@ class Trajectories(WithStatus):
     phi : (n, nt) array or None
         Angle to the vertical (rad), -pi/2 to pi/2.
     tilt : (n, nt) array or None
-        Angle from flat (rad), from 0 on face +1 to pi on face -1. Small angles keep all their digits.
+        Angle of the disk's plane to the table (rad), 0 to pi/2: from the nearer of the two flat states. Small
+        angles keep all their digits.
     phidot, sigma3, sigma4 : (n, nt) array or None
         Rates of eq. (2.14), units of the disk.
     chi, psi : (n, nt) array or None
@@ -351,7 +352,7 @@ def _observables(disk: Disk, states: Array, names: Sequence[str]) -> dict[str, A
         height, shadow = q / norm, z / norm
     values: dict[str, Callable[[], Array]] = {
         "phi": lambda: np.arctan2(z, q),
-        "tilt": lambda: np.arctan2(q, z),
+        "tilt": lambda: np.arctan2(q, abs(z)),
         "phidot": lambda: -p * unit,
         "sigma3": lambda: q * rho * unit,
         "sigma4": lambda: sigma4 * unit,

@@ -143,5 +143,5 @@ def smallest_tilts(states: States, count: int, accuracy: float) -> tuple[Array, 
     known = falling | (error <= accuracy)
     tilt = np.where(falling, 0.0, tilt)
     theta[rows] = np.where(known, tilt, np.nan)
-    status[rows[~known]] = code.STEP_LIMIT
+    status[rows[~known]] = motions.status(known, ends.crosses, accuracy)[~known]
     return theta, status

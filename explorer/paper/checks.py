@@ -133,4 +133,4 @@ def followed(disk: Disk, start: Any, times: Any, accuracy: float = 1e-11, chi0: 
 
 def near_the_line(disk: Disk, eta_hat: float, face: int = 1, sigma3_bar: float = 1.0) -> States:
     """The start of sections 6 and 7: from the vertical with speed 1 towards `face`, eta_hat beside its line."""
-    return constants_to_states(disk, sigma3_bar, eta_hat, face, face)
+    return constants_to_states(disk, sigma3_bar, eta_hat, 1.0, face)

@@ -131,7 +131,8 @@ def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
 
         - The tilt is one of three: phi, the angle to the vertical (rad, 0 if left out), with phidot or with the
           energy; theta with thetadot, as for `theta_to_states`; or tilt with tilt_rate (0 if left out), as for
-          `rates_to_states`. If the energy is given, phidot is computed from it, and taken as not negative.
+          `rates_to_states`. If the energy is given, phidot is computed from it, towards the flat state of the
+          face.
         - The spins are sigma3 with sigma4, of eq. (2.14). With phi they may also be constants of motion,
           sigma3_bar with sigma4_bar or with eta_hat, of eqs (3.5), (6.2); with tilt they are precession with spin,
           as for `rates_to_states`.
@@ -188,7 +189,8 @@ def constants_to_states(
     eta_hat : array_like
         Signed distance from the line of `face`, eq. (6.2), units of the disk.
     phidot : array_like
-        Speed at the vertical, units of the disk. The arrays broadcast; the result has their shape.
+        Speed at the vertical towards the flat state of `face`, units of the disk; negative away from it. The
+        arrays broadcast; the result has their shape.
     face : array_like
         The flat state to whose line the distance is measured, +1 or -1.
 
@@ -209,8 +211,11 @@ def constants_to_states(
     >>> states.motion.eta_plus / states.motion.eta_plus[0]
     array([1.e+000, 1.e-297])
     """
-    given = {"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot, "face": face}
-    return coordinates_to_states(disk, **given)
+    (bar, distance, speed, down), shape = read_columns(
+        sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, face=face
+    )
+    states = coordinates_to_states(disk, sigma3_bar=bar, eta_hat=distance, phidot=down * speed, face=down)
+    return replace(states, shape=shape)
 
 
 def _from_constants(disk: Disk, **given: ArrayLike) -> States:
@@ -236,7 +241,7 @@ def _from_constants(disk: Disk, **given: ArrayLike) -> States:
             first, second = chart.rates(first, eta_hat)
         second = seen * second
     if speed == "energy":
-        rate = _speed(disk, np.where(inside, phi, 0.0), rate, first, second)
+        rate = face * _speed(disk, np.where(inside, phi, 0.0), rate, first, second)
     states = phi_to_states(disk, np.where(inside, phi, np.nan), rate, first, second)
     return replace(states, given=motion, shape=shape)
 

@@ -42,8 +42,6 @@ SYNTAX = (
     f"A number may have a unit ({', '.join(UNITS)}), as in "
     '"m=20g,r=5cm,I1=150 g cm^2,I3=flat"; g is then 9.81 m/s^2 if left out'
 )
-# I3 may exceed 2 I1 by rounding of doubles.
-_ROUNDING = 1e-12
 LARGEST_RATE = 1e75  # natural units, of all that is given: up to here fourth powers of rates are numbers
 
 
@@ -109,7 +107,7 @@ class Disk:
         read = {"m": mass, "r": radius, "g": gravity, "I1": transverse, "I3": axial}
         for key, value in {**read, "name": word("disk: name", name)}.items():
             object.__setattr__(self, key, value)
-        if self.I3 > 2.0 * self.I1 * (1.0 + _ROUNDING):
+        if self.I3 > 2.0 * self.I1:
             raise InputError(
                 f"disk: I3 = {self.I3} exceeds 2 I1 = {2.0 * self.I1}, which no body has; "
                 "for a flat one give I3=flat"
@@ -318,7 +316,7 @@ class Disk:
     def natural(self) -> compiled.body.Disk:
         """The disk as the kernels take it: dimensionless constants and Chaplygin series."""
         unit = self._inertia_unit
-        return compiled.body.make_disk(self.I1 / unit, min(self.I3 / unit, 2.0 * self.I1 / unit))
+        return compiled.body.make_disk(self.I1 / unit, self.I3 / unit)
 
     @cached_property
     def chart(self) -> compiled.potential.Chart:

@@ -121,12 +121,12 @@ def steady_motions(
     b, unit, code = disk.body, disk.rate_unit, compiled.status.Status
     with np.errstate(all="ignore"):
         phi, turn = down * (0.5 * np.pi - angle), rate / unit
-        q, z = np.cos(phi), np.sin(phi)
+        q, z = np.sin(angle), np.sin(phi)  # near flat phi has too few digits for its cosine
         spin = z * (b.I1 * turn * turn * q - 1.0) / (b.J * turn * q)
         # The contact point moves at r (spin - z precession) along its circle.
         radius = disk.r * (spin / turn - z)
         stable = curvature_of(q, z, turn * q * q, spin, b) > 0.0
-        good = (abs(phi) < 0.5 * np.pi) & (abs(down) == 1.0) & np.isfinite(spin) & np.isfinite(radius)
+        good = (angle > 0.0) & (angle < np.pi) & (abs(down) == 1.0) & np.isfinite(spin) & np.isfinite(radius)
     states = from_rates(disk, np.where(good, angle, np.nan), rate, spin * unit, 0.0, down)
     good &= states.status == code.OK
     found = SteadyMotions(

@@ -20,7 +20,7 @@ from explorer.motion import limit_motions
 from explorer.motion.both_sides import QUANTITIES, both_sides, limits_from, sample_times
 from explorer.motion.plan import TIGHTEST
 from explorer.motion.trajectories import trajectories_by
-from explorer.phase.coordinates import constants_to_states
+from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
 from explorer.scenes.options import DISK, NUMBER, RANGE, RANGES, option, plain
@@ -139,9 +139,9 @@ class OneSided(Scene):
     def _approach(self, disk: Disk, base: int, start: dict[str, float]) -> Table:
         """All rungs of the ladder, both signs, beside one point of F."""
         eta_hat = np.concatenate([self.ladder(disk), -self.ladder(disk)])
-        limits = limits_from(constants_to_states(disk, eta_hat=0.0, **start))
+        limits = limits_from(coordinates_to_states(disk, eta_hat=0.0, **start))
         times, middle = sample_times(limits[1])
-        beside = constants_to_states(disk, eta_hat=eta_hat, **start)
+        beside = coordinates_to_states(disk, eta_hat=eta_hat, **start)
         motion = trajectories_by(beside, self.plan, times, QUANTITIES)
         assert motion.chi is not None
         fixed = {"base": base, "sigma3_bar": start["sigma3_bar"], "phidot": start["phidot"]}
@@ -193,7 +193,7 @@ class OneSided(Scene):
         for index, (disk, first, _) in enumerate(self.parts):
             if first:
                 continue
-            start = constants_to_states(disk, eta_hat=0.0, **self.starts(index)[0])
+            start = coordinates_to_states(disk, eta_hat=0.0, **self.starts(index)[0])
             both = both_sides(start)
             yield f"motion-{disk.name}", partial(one_sided.one_sided_motion, both)
             yield f"contact-{disk.name}", partial(one_sided.contact_paths, both)

@@ -209,7 +209,7 @@ class BoxNearF(Ranges):
         return box
 
     def starts(self, random: Stream, count: int) -> dict[str, Array]:
-        """`count` starts as `constants_to_states` takes them, but for eta_hat; both faces equally likely."""
+        """`count` starts as `coordinates_to_states` takes them, but for eta_hat; both faces equally likely."""
         columns = self.draw(random, count)
         face = signs(random.random(count))
         return {"phidot": face * columns["phidot"], "sigma3_bar": columns["sigma3"], "face": face}

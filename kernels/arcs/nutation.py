@@ -7,7 +7,9 @@ does V'' cancel. With V'' = sum v_m P'_(m+1)(u) of Legendre's polynomials, whose
     share(u) = sum v_m P'_(m+1)(u) / ((m + 1)(m + 2))
 
 At Chebyshev's points that is one matrix, and Gauss-Chebyshev gives the period, and the way to any state, from the
-same points.
+same points. Where the spin is fast the search finds the turning points of so narrow a well only roughly, as what
+cancels in its K grows with the square of the spin. In V' of the state it does not cancel: by K and V' there, and
+V'' around it, the turning points are set right.
 """
 
 import math
@@ -38,8 +40,12 @@ from kernels.types import Matrix, Vector
 POINTS = 16
 WIDEST = 0.5  # in x: so narrow a well needs no more points for all digits
 _FAR = END_ROWS  # rows of the end at the vertical, of the other face
-_X, _Y, _Y_FAR, _L, _UPRIGHT = range(2 * END_ROWS * LANES, (2 * END_ROWS + 5) * LANES, LANES)
-_AT_POINTS = (2 * END_ROWS + 5) * LANES  # q, ratio, z ratio - q sigma4 and V'', POINTS each; then room for sums
+# INNER, OUTER: how much farther from each other the turning points are than they were found; SLACK: what rounding
+# leaves unknown of distances from them, as a share.
+_X, _Y, _Y_FAR, _L, _UPRIGHT, _INNER, _OUTER, _SLACK = range(
+    2 * END_ROWS * LANES, (2 * END_ROWS + 8) * LANES, LANES
+)
+_AT_POINTS = (2 * END_ROWS + 8) * LANES  # q, ratio, z ratio - q sigma4 and V'', POINTS each; then room for sums
 _BEND, _SUMS = 3, 4
 _ROWS = _AT_POINTS + 5 * POINTS * LANES
 
@@ -59,17 +65,16 @@ class Points(NamedTuple):
 class Wells(NamedTuple):
     """Wells (n) above their inner turning points: distances of the state and of the vertical from both ends.
 
-    The vertical is at inf, and that far from the outer end, where a well does not reach it. slack: of distances
-    from turning points, as a share of them, from rounding. Of the other face: Y and sigma4 at the vertical, as
-    that face has them.
+    The vertical is at inf, and that far from the outer end, where a well does not reach it. Of the other face: Y
+    and sigma4 at the vertical, as that face has them.
     """
 
     inner: Starts
+    state: Starts
     to_state: Vector
     from_state: Vector
     to_vertical: Vector
     from_vertical: Vector
-    slack: Vector
     Y_far: Vector
     sigma3_vertical: Vector
     sigma4_far: Vector
@@ -93,7 +98,7 @@ def load(A: Vector, wells: Wells, first: int, chart: Chart) -> None:
         j = min(first + i, wells.to_state.size - 1)
         A[_X + i], A[_Y + i], A[_Y_FAR + i] = inner.X[j], inner.Y[j], wells.Y_far[j]
         A[_L + i] = wells.to_state[j] + wells.from_state[j]
-        A[_UPRIGHT + i] = wells.to_vertical[j]
+        A[_UPRIGHT + i], A[_INNER + i], A[_OUTER + i] = wells.to_vertical[j], 0.0, 0.0
         put_end(A, 0, i, inner.r[j], inner.w[j], inner.sigma3[j], inner.sigma4[j])
         put_end(A, _FAR, i, 1.0, 0.0, wells.sigma3_vertical[j], wells.sigma4_far[j])
     make_ends(A, 0, chart)
@@ -104,7 +109,7 @@ def load(A: Vector, wells: Wells, first: int, chart: Chart) -> None:
 def look(A: Vector, j: int, share: float, b: Body) -> None:
     """What integrands and V'' need of point j, in all lanes."""
     for i in range(LANES):
-        s, upright = A[_L + i] * share, A[_UPRIGHT + i]
+        s, upright = (A[_L + i] + A[_OUTER + i]) * share - A[_INNER + i] * (1.0 - share), A[_UPRIGHT + i]
         P = point_at(A, min(s, upright), False, end_of(A, 0, i), Motion(A[_X + i], A[_Y + i]), b)
         beyond = max(s - upright, 0.0)
         F = point_at(A, beyond, True, end_of(A, _FAR, i), Motion(A[_X + i], A[_Y_FAR + i]), b)
@@ -152,7 +157,7 @@ def erred(coefficients: Vector, off: float) -> float:
 
 @contracted_subroutine
 def partly(A: Vector, i: int, to: float, rest: float, slack: float) -> ArcRow[float]:
-    """Integrals from the inner end over `to` of the length; slack: as in `Wells`.
+    """Integrals from the inner end over `to` of the length; slack: as in the work array.
 
     A motion that is steady to rounding is at either end at any time.
     """
@@ -163,6 +168,42 @@ def partly(A: Vector, i: int, to: float, rest: float, slack: float) -> ArcRow[fl
     time, chi, psi = A[at:], A[at + POINTS * LANES :], A[at + 2 * POINTS * LANES :]
     angle_error = erred(chi, off) + erred(psi, off)
     return ArcRow(part_of(time, upto), part_of(chi, upto), part_of(psi, upto), erred(time, off), angle_error)
+
+
+@contracted_subroutine
+def set_right(A: Vector, i: int, wells: Wells, j: int, points: Points, b: Body) -> None:
+    """The turning points of lane i by K and V' at the state of well j.
+
+    Needs the share of K at the points. K by it is right but for a part that is linear in the distance.
+    """
+    shares, to, rest = A[_AT_POINTS + _BEND * POINTS * LANES + i :], wells.to_state[j], wells.from_state[j]
+    length, angle = to + rest, 2.0 * math.atan2(math.sqrt(to), math.sqrt(rest))
+    # The interpolating polynomial at the state and at both ends, and its slope in u = -cos(angle) at the state.
+    here, slope, inner, outer = 0.0, 0.0, 0.0, 0.0
+    for m in range(POINTS):
+        of_order = 0.0
+        for n in range(POINTS):
+            of_order += points.cosines[n, m] * shares[n * LANES]
+        before, now = 0.0, 1.0  # sin(m angle)/sin(angle), by Chebyshev's recurrence
+        for _ in range(m):
+            before, now = now, 2.0 * math.cos(angle) * now - before
+        here += of_order * math.cos(m * angle)
+        slope -= of_order * m * before
+        inner += of_order
+        outer += of_order if m % 2 == 0 else -of_order
+    state = wells.state
+    inv = 1.0 / (1.0 + state.r[j] * state.r[j])
+    q = 2.0 * state.r[j] * inv
+    fall, _bend = slope_and_bend(q, state.w[j] * inv, state.sigma3[j] / q, state.sigma4[j], b)
+    missing = state.K[j] - to * rest * here
+    tilted = -fall - (rest - to) * here - to * rest * slope * 2.0 / length
+    # Each term of V' has some four roundings; an error of V' moves both turning points in the same direction.
+    ratio, spin = state.sigma3[j] / q, state.sigma4[j]
+    terms = b.J * abs(ratio * q * spin) + b.I1 * ratio * ratio + q
+    moves = length > 0.0
+    A[_SLACK + i] = 4.0 * EPSILON * terms / (length * here) if moves else 0.0
+    A[_INNER + i] = (missing - tilted * to) / (length * inner) if moves else 0.0
+    A[_OUTER + i] = (missing + tilted * rest) / (length * outer) if moves else 0.0
 
 
 @contracted_subroutine
@@ -188,8 +229,15 @@ def well_batch(wells: Wells, points: Points, chart: Chart, out: Matrix) -> None:
         for j in range(POINTS):
             look(A, j, points.share[j], chart.body)
         for i in range(min(LANES, n - first)):
-            j = first + i
+            multiply(A, i, _BEND, points.twice)
+            set_right(A, i, wells, first + i, points, chart.body)
+        for j in range(POINTS):
+            look(A, j, points.share[j], chart.body)
+        for i in range(min(LANES, n - first)):
+            j, inner, outer = first + i, A[_INNER + i], A[_OUTER + i]
             weigh(A, i, points, chart.body)
             put(partly(A, i, 1.0, 0.0, 0.0), whole, j)
-            put(partly(A, i, wells.to_state[j], wells.from_state[j], wells.slack[j]), state, j)
-            put(partly(A, i, wells.to_vertical[j], wells.from_vertical[j], wells.slack[j]), vertical, j)
+            to, rest = max(wells.to_state[j] + inner, 0.0), max(wells.from_state[j] + outer, 0.0)
+            put(partly(A, i, to, rest, A[_SLACK + i]), state, j)
+            to, rest = max(wells.to_vertical[j] + inner, 0.0), max(wells.from_vertical[j] + outer, 0.0)
+            put(partly(A, i, to, rest, A[_SLACK + i]), vertical, j)

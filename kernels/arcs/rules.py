@@ -325,8 +325,10 @@ def found_in(A: Vector, i: int) -> tuple[ArcRow[float], float]:
     of_chi = difference(chi, A[_OLD_CHI + i], A[_OLDER_CHI + i], turn)
     of_psi = difference(psi, A[_OLD_PSI + i], A[_OLDER_PSI + i], turn)
     of_time = difference(time, A[_OLD_TIME + i], A[_OLDER_TIME + i], time)
-    left = _SAFETY * math.sqrt(max(of_time, max(of_chi, of_psi)))
-    angle, off = left * turn * (of_chi + of_psi), left * of_time
+    largest = max(of_time, max(of_chi, of_psi))
+    left = _SAFETY * math.sqrt(largest)
+    # Of the time alone two rules may agree by chance; the angles ask for as many nodes anyhow.
+    angle, off = left * turn * (of_chi + of_psi), left * largest
     time_error = time * (off + A[_MOVED + i]) + _ROUNDING * A[_TIME_ROUNDED + i]
     angle_error = angle + (abs(chi) + abs(psi)) * A[_MOVED + i] + _ROUNDING * A[_ROUNDED + i]
     return ArcRow(time, chi, psi, time_error, angle_error), max(angle, off)

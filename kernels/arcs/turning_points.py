@@ -353,7 +353,11 @@ def next_zero(K: float, fall: float, bend: float) -> tuple[float, float]:
 def slow_beyond(K: float, slope: float, bend: float) -> float:
     """The distance to the next zero of K, from K and derivatives of V; inf beyond SLOW."""
     beyond, aside = next_zero(K, abs(slope), bend)
-    slow = math.sqrt(beyond * beyond + aside * aside)
+    aside = abs(aside)
+    # Squares of what lies so near would underflow.
+    large = max(max(beyond, aside), _LEAST)
+    share = min(beyond, aside) / large
+    slow = large * math.sqrt(1.0 + share * share)
     return max(slow, _LEAST) if slow < SLOW else math.inf
 
 

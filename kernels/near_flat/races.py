@@ -117,16 +117,17 @@ def measure(W: Vector, terms: Terms) -> None:
     for i in range(LANES):
         code, error, fall_error = W[_STATUS * LANES + i], W[_ERROR * LANES + i], W[_FALL_ERROR * LANES + i]
         ok, fallen = code == _OK, code == _FALLS
-        # With the energy of such a passage nothing falls: it has no race.
-        lacks = (ok | fallen) & (not W[_LEVEL * LANES + i] > 0.0)
+        # With an energy up to V_0 nothing falls: such a passage has no race.
+        races = W[_LEVEL * LANES + i] > 0.0
         # The fall angle is a part of the race angle, and all there is of a fall.
-        part = fall_error if fallen else 2.0 * fall_error
+        part = fall_error if fallen else 2.0 * fall_error if races else 0.0
         error = error if ok & (error > part) else part
         turned = abs(W[_CHI * LANES + i]) + abs(W[_PSI * LANES + i]) if ok else 0.0
-        allowed = max(terms.allowed, terms.floor * (1.0 + W[_FALL_TIME * LANES + i]), terms.rounding * turned)
+        fall_time = W[_FALL_TIME * LANES + i] if races else 0.0
+        allowed = max(terms.allowed, terms.floor * (1.0 + fall_time), terms.rounding * turned)
         inexact = (ok | fallen) & (not error <= allowed)
         W[_ERROR * LANES + i] = error
-        W[_STATUS * LANES + i] = _BAD if lacks else _LIMIT if inexact else code
+        W[_STATUS * LANES + i] = _LIMIT if inexact else code
 
 
 @subroutine
@@ -135,7 +136,7 @@ def lanes(W: Vector, units: Units, M: float) -> None:
     nan = math.nan
     for i in range(LANES):
         code, eta, chi = W[_STATUS * LANES + i], W[_ETA * LANES + i], W[_CHI * LANES + i]
-        ok, fallen, bad = code == _OK, code == _FALLS, code == _BAD
+        ok, fallen = code == _OK, code == _FALLS
         known = ok | fallen
         side = 1.0 if eta > 0.0 else -1.0 if eta < 0.0 else 0.0
         fall_angle = 2.0 * W[_FALL_CHI * LANES + i] if known else nan
@@ -149,9 +150,11 @@ def lanes(W: Vector, units: Units, M: float) -> None:
         W[_ROW.fall_time * LANES + i] = W[_FALL_TIME * LANES + i] * units.time if fallen else nan
         W[_ROW.energy * LANES + i] = W[_ENERGY * LANES + i] * units.energy if known else nan
         W[_ROW.impact_speed * LANES + i] = speed if known else nan
-        W[_ROW.limit * LANES + i] = nan if bad else side * units.race
+        races = (code != _BAD) & (speed > 0.0)
+        W[_ROW.limit * LANES + i] = side * units.race if races else nan
         W[_ROW.error_estimate * LANES + i] = W[_ERROR * LANES + i] if known else nan
-        W[_ROW.wrong_way * LANES + i] = 1.0 if ok & (not W[_TURN_RATE * LANES + i] * side > 0.0) else 0.0
+        against = ok & (side != 0.0) & (not W[_TURN_RATE * LANES + i] * side > 0.0)
+        W[_ROW.wrong_way * LANES + i] = 1.0 if against else 0.0
 
 
 class Work(NamedTuple):

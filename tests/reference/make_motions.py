@@ -1,4 +1,4 @@
-"""Makes motions.csv: some 600 motions in 40 digits, one a line, by `many_digits`.
+"""Makes motions.csv: some 650 motions in 40 digits, one a line, by `many_digits`.
 
     python tests/reference/make_motions.py     # some ten minutes; needs python-flint
 
@@ -192,8 +192,21 @@ def hard(_rng):
          -1.308038134858126e-05, 312.64101447731525),
         ((0.051970895335219765, 0.09276999869251075), 1.567376823682341, -1.0225527623772147e-08,
          -3.5621534540882827e-05, 87.70033850545617),
+        ((0.26812852174616786, 0.5362570434923357), 0.5420545400854047, -2.4800809040688114, -0.19191856914842897,
+         0.02741522460081024),
+        ((0.8005076390665606, 1.6010152781331213), -0.5668935809807444, -3.4224476074112287, 0.18109640729751547,
+         -0.427751482508165),
     ):  # fmt: skip
         yield by_state("hard", inertia, *state)
+
+
+def fast_spins(rng):
+    """Small wobbles about the vertical of disks that spin fast."""
+    for inertia, spin, width in itertools.product(
+        (*WELL_KNOWN[:4], (0.0039, 0.0051)), (5.0, 100.0, 1000.0), (1e-2, 1e-5, 1e-8)
+    ):
+        sigma3 = sign(rng) * power(rng, -3, 0) if rng.random() < 0.5 else 0.0
+        yield by_state("fast spin", inertia, 0.0, width * power(rng, -1, 1), sigma3, sign(rng) * spin)
 
 
 def line(given):
@@ -226,7 +239,7 @@ def check(given, found):
 
 
 def main():
-    draws = passages, falls, anywhere, wobbles, crests, hard
+    draws = passages, falls, anywhere, wobbles, crests, hard, fast_spins
     starts = [start for draw in draws for start in draw(np.random.default_rng(7))]
     number_of, checked = 0, 0
     with HERE.open("w", encoding="utf-8", newline="") as file:

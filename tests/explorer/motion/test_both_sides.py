@@ -69,7 +69,7 @@ def test_the_distance_to_the_limit_shrinks_with_eta():
 def test_both_sides_start_anywhere_on_f_and_come_nearer_to_their_limits(face):
     """A coin in SI units, on its way up from flat; chi at the end of both motions against the limits."""
     coin = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
-    upright = ex.constants_to_states(coin, 20.0, 0.0, face * 30.0, face)
+    upright = ex.constants_to_states(coin, 20.0, 0.0, 30.0, face)
     there = ex.limit_motion(upright, 1)(0.02)
     bar = ex.constants(upright).sigma3_bar
     start = ex.coordinates_to_states(

@@ -27,7 +27,7 @@ def test_bounces_from_the_vertical_are_the_passages(name, eta_hat):
         np.tile([1, 1, -1, -1], 5),
     )
     passages = ex.passages(disk, bar, eta, speed, face, accuracy=1e-10)
-    bounces = ex.bounces(ex.constants_to_states(disk, bar, eta, face * speed, face), accuracy=1e-10)
+    bounces = ex.bounces(ex.constants_to_states(disk, bar, eta, speed, face), accuracy=1e-10)
     assert bounces.shape == (20, 1)
     assert (bounces.face[:, 0] == face).all()
     assert (bounces.side[:, 0] == np.sign(eta)).all()

@@ -59,6 +59,25 @@ def test_a_window_loses_what_section_5_says():
     np.testing.assert_allclose(lost, 2 * disk.kappa * np.arcsin(got.theta_min / window), rtol=5e-3)
 
 
+def test_a_window_however_narrow_is_crossed_with_the_speed_of_impact():
+    """A disk that comes 1e-200 near flat falls the last of its way like a free particle: 2 w/A, but for O(w^2)."""
+    disk = BODIES["uniform"]
+    for window in 10.0 ** -np.arange(1.0, 151.0):
+        got = ex.passages(disk, 1.0, 1e-200, 1.0, window=float(window), accuracy=1e-9)
+        assert got.status[0] == ex.Status.OK
+        share = got.duration[0] * got.impact_speed[0] / (2.0 * window)
+        assert abs(share - 1.0) <= window + 3.0 * got.error_estimate[0]
+        assert got.race_angle[0] == pytest.approx(disk.race_limit, abs=1e-9)
+
+
+def test_the_widest_window_is_the_vertical():
+    disk = BODIES["uniform"]
+    start = 1.0, [1e-3, -0.1], 1.0
+    np.testing.assert_array_equal(
+        ex.passages(disk, *start, window=1.0).delta_chi, ex.passages(disk, *start).delta_chi
+    )
+
+
 def test_jobs_do_not_change_a_bit():
     rng = np.random.default_rng(1)
     arguments = (BODIES["hoop"], rng.uniform(-2, 2, 999), 10 ** rng.uniform(-200, -1, 999), 1.0)
@@ -114,6 +133,33 @@ def test_a_passage_that_turns_before_flat_is_refused_by_all_methods():
         got = ex.passages(BODIES["uniform"], 0.2, 0.45, 0.0, method=method)
         assert got.status[0] == ex.Status.BAD_INPUT
         assert not got.wrong_way[0]
+
+
+@pytest.mark.parametrize("method", ["quadrature", "dop853"])
+def test_a_passage_with_too_little_energy_to_fall_has_no_race_and_is_else_as_any_other(method):
+    """Of bodies whose I3 is far less than 2 I1 one in twelve is such: the bounce of the motion, without a race."""
+    for disk in (ex.Disk(I1=0.5, I3=0.02), ex.Disk(I1=1.5e-5, I3=1e-6)):
+        random = np.random.default_rng(4)
+        eta_hat = 10.0 ** random.uniform(-3.0, 0.5, 100) * random.choice([-1.0, 1.0], 100)
+        start = random.normal(0.0, 2.0, 100), eta_hat, random.uniform(0.01, 1.0, 100)
+        got = ex.passages(disk, *start, method=method, accuracy=1e-5)
+        bounces = ex.bounces(ex.constants_to_states(disk, *start), accuracy=1e-9)
+        without = got.ok & ~(got.energy > disk.energy_at_flat(start[0]))
+        assert without.sum() >= 3
+        np.testing.assert_array_equal(np.isfinite(got.race_angle), got.ok & ~without)
+        for name in ("fall_angle", "limit", "impact_speed"):
+            assert np.isnan(getattr(got, name)[without]).all()
+        off = abs(got.delta_chi - bounces.delta_chi.ravel())[without]
+        assert (off <= 3.0 * (got.error_estimate + bounces.error_estimate.ravel())[without]).all()
+
+
+def test_a_motion_on_a_line_that_cannot_fall_passes_like_its_neighbours():
+    """With eta_hat = 0 only more energy than V_0 leads to flat."""
+    disk = ex.Disk(I1=0.5, I3=0.02)
+    got = ex.passages(disk, [6.0, 6.0, 1.0], [0.0, 1e-12, 0.0], [1e-3, 1e-3, 1.0])
+    energy = got.energy / disk.energy_at_flat(got.sigma3_bar)
+    assert (energy[:2] < 1.0).all() == (got.status[0] == ex.Status.OK)
+    assert got.status[2] == ex.Status.FALLS
 
 
 @pytest.mark.parametrize(

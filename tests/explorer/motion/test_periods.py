@@ -130,7 +130,7 @@ def test_beside_the_vertical_periods_are_told_by_their_errors_from_either_face(i
     """Seen from the face of the larger |eta| the energy is a difference; what rounding leaves open is refused."""
     disk, rng, n = ex.Disk(I1=inertia[0], I3=inertia[1]), np.random.default_rng(5), 100
     eta_hat = 10.0 ** rng.uniform(-8.0, 0.0, n) * rng.choice([-1.0, 1.0], n)
-    upright = constants_to_states(disk, rng.normal(0.0, 1.2, n), eta_hat, rng.uniform(0.02, 2.5, n), -1)
+    upright = constants_to_states(disk, rng.normal(0.0, 1.2, n), eta_hat, -rng.uniform(0.02, 2.5, n), -1)
     natural = np.array(upright.natural)
     natural[1] = 1e-16  # of z = cos theta: in the hemisphere of face +1
     beside, true = dataclasses.replace(upright, natural=natural), ex.periods(upright, 1e-10)
@@ -218,3 +218,30 @@ def test_small_swings_by_integration_err_by_what_is_estimated(name, method):
     assert (abs(found.psi - true.psi)[known] <= error).all()
     stable = np.tile(steady.stable[steady.ok], 6)
     assert found.ok[stable & (swing > 1e-11 / accuracy)].mean() > 0.9
+
+
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-9])
+def test_a_push_from_rest_however_slow_changes_nothing(accuracy):
+    """Squares of such speeds and of the ways they lead are below the smallest number of the machine."""
+    disk, speeds = ex.Disk.uniform(), 10.0 ** -np.arange(20.0, 301.0, 3.0)
+    at_rest = ex.phi_to_states(disk, 0.3, 0.0, 0.5, 0.6)
+    for pushed in (speeds, -speeds):
+        states = ex.phi_to_states(disk, 0.3, pushed, 0.5, 0.6)
+        found, rest = ex.periods(states, accuracy), ex.periods(at_rest, accuracy)
+        assert found.ok.all()
+        np.testing.assert_allclose(found.period, rest.period[0], rtol=accuracy)
+        bounces, resting = ex.bounces(states, accuracy=accuracy), ex.bounces(at_rest, accuracy=accuracy)
+        assert bounces.ok.all()
+        np.testing.assert_allclose(bounces.time, resting.time[0, 0], rtol=accuracy)
+
+
+@pytest.mark.parametrize("method", ["quadrature", "dop853"])
+def test_where_digits_of_the_state_lack_the_status_says_so_and_its_remedies_help(method):
+    """Within 1e-13 of F doubles leave a few digits of eta, and so of the smallest tilt."""
+    disk = ex.Disk.uniform()
+    given = ex.constants_to_states(disk, 1.0, [1e-13, -1e-13], 1.0)
+    rounded = ex.phi_to_states(disk, given.phi, given.phidot, given.sigma3, given.sigma4)
+    for call in (ex.periods, ex.bounces):
+        assert (call(rounded, accuracy=1e-3, method=method).status == ex.Status.TOO_FEW_DIGITS).all()
+        assert call(given, accuracy=1e-3, method=method).ok.all()  # eta_hat itself
+        assert call(rounded, accuracy=1e-1, method=method).ok.all()  # a larger accuracy

@@ -178,7 +178,7 @@ def test_the_pendulum_falls_to_both_sides_in_turn():
             assert hits[0] == pytest.approx(1.293920, abs=5e-7)
             times = np.linspace(0.05, 9.0, 80)
             times = times[abs(times[:, None] - hits).min(axis=1) > 0.1]
-            states = constants_to_states(disk, 0.0, face * sign * 1e-10, float(face), face)
+            states = constants_to_states(disk, 0.0, face * sign * 1e-10, 1.0, face)
             names = ("phi", "phidot", "chi", "psi", "path", "contact")
             got, want = trajectories(states, t_eval=times, observables=names, accuracy=1e-10), limit(times)
             for name in names:

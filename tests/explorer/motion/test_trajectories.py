@@ -389,8 +389,14 @@ def test_a_small_tilt_has_all_its_digits():
     states = ex.theta_to_states(ex.Disk.uniform(), 1e-20, 0.0, 1e-20, 0.3)
     motion = ex.simulate(states, t_eval=[0.0, 1e-15], observables=("tilt", "phi"))
     assert motion.tilt[0, 0] == 1e-20
-    given = ex.rates_to_states(ex.Disk.uniform(), [0.4, 2.5], 0.1, 1.0, 0.2)
-    np.testing.assert_allclose(ex.simulate(given, t_eval=[0.0], observables=("tilt",)).tilt[:, 0], [0.4, 2.5])
+
+
+@pytest.mark.parametrize("face", [1, -1])
+def test_the_tilt_of_a_motion_is_the_one_it_was_given_from_either_face(face):
+    """It is the angle of the plane to the table; near flat on face -1 an angle near pi would have no digits."""
+    states = ex.rates_to_states(ex.Disk.uniform(), [1e-20, 0.4, np.pi - 0.4], 0.0, 1.0, 0.2, face=face)
+    motion = ex.simulate(states, t_eval=[0.0, 1e-15], observables=("tilt",))
+    np.testing.assert_allclose(motion.tilt[:, 0], [1e-20, 0.4, 0.4], rtol=1e-14)
 
 
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-9])

@@ -128,3 +128,19 @@ def test_warnings_of_tilts_point_at_the_line_of_the_user():
     with pytest.warns(ex.StateWarning) as told:
         ex.rates_to_states(COIN, 10.0, 0.0, 1.0, 1.0)
     assert told[0].filename == __file__
+
+
+@pytest.mark.parametrize("face", [1, -1])
+def test_constants_of_motion_lead_to_the_face_that_is_named(face):
+    """With a speed as with an energy; the first bounce is the passage with these constants."""
+    passage = ex.passages(COIN, 20.0, 1e-9, 30.0, face)
+    by_speed = ex.constants_to_states(COIN, 20.0, 1e-9, 30.0, face)
+    energy = ex.constants(by_speed).energy
+    by_energy = ex.coordinates_to_states(COIN, energy=energy, sigma3_bar=20.0, eta_hat=1e-9, face=face)
+    for states in (by_speed, by_energy):
+        assert np.sign(states.phidot) == face
+        bounce = ex.bounces(states)
+        assert bounce.face[0, 0] == face
+        assert bounce.theta_min[0, 0] == pytest.approx(passage.theta_min[0], rel=1e-6)
+    away = ex.constants_to_states(COIN, 20.0, 1e-9, -30.0, face)
+    assert ex.bounces(away).face[0, 0] == -face

@@ -29,6 +29,20 @@ def test_the_spin_of_a_wobbling_coin_agrees_with_the_rates_that_it_came_from():
     assert motion.to_pandas().precession[0] == pytest.approx(60.0)
 
 
+@pytest.mark.parametrize("face", [1, -1])
+def test_a_coin_that_does_not_spin_about_its_axis_precesses_by_the_textbook_however_flat(face):
+    """precession^2 = 4 g/(r sin tilt) of a uniform disk; the energy is 1.5 m g r sin tilt."""
+    coin, tilt = BODIES["coin"], 10.0 ** -np.arange(0.5, 15.0, 0.5)
+    precession = np.sqrt(4.0 * coin.g / (coin.r * np.sin(tilt)))
+    motion = ex.steady_motions(coin, tilt, precession, face)
+    assert motion.ok.all()
+    assert (abs(motion.spin) <= 1e-14 * precession).all()
+    share = ex.constants(motion.states).energy / (1.5 * coin.energy_unit * np.sin(tilt))
+    # Rounding of so fast a precession leaves a spin of 1e-16 of it, and the energy of that.
+    assert (abs(share - 1.0) <= 1e-13 + (2.2e-16 / tilt) ** 2).all()
+    np.testing.assert_allclose(ex.periods(motion.states).theta_min, tilt, rtol=1e-6)
+
+
 def test_what_is_not_steady_is_nan_and_bad_input():
     tilt = [0.5, 0.5, 0.0, 4.0, np.nan, 0.5 * np.pi]
     motion = ex.steady_motions(BODIES["uniform"], tilt, [1, 0, 1, 1, 1, 1])

@@ -20,7 +20,7 @@ def test_numbers_in_the_units_of_the_disk_become_natural():
 
 @pytest.mark.parametrize("face", [1, -1])
 def test_states_at_the_vertical_keep_the_eta_hat_they_were_made_with(face):
-    states = ex.constants_to_states(COIN, [20.0, 25.0], [3e-9, -1e-11], [face * 15.0, face * 30.0], face)
+    states = ex.constants_to_states(COIN, [20.0, 25.0], [3e-9, -1e-11], [15.0, 30.0], face)
     start = view(states, row=1).start
     unit = COIN.rate_unit
     assert start.eta_hat * unit == pytest.approx(-1e-11, rel=1e-12)
@@ -75,11 +75,11 @@ def test_a_bounce_that_never_crosses_the_vertical_opens_at_its_state():
 
 
 @pytest.mark.parametrize("side", [1, -1])
-@pytest.mark.parametrize(("bar", "phidot"), [(20.0, -15.0), (0.0, 60.0)], ids=["one face", "both faces"])
+@pytest.mark.parametrize(("bar", "phidot"), [(20.0, 15.0), (0.0, -60.0)], ids=["one face", "both faces"])
 def test_a_limit_motion_is_shown_by_one_beside_it_on_its_side(side, bar, phidot):
     start = ex.constants_to_states(COIN, bar, 0.0, phidot, face=-1)
     found = view(ex.limit_motion(start, side)).start
-    towards = phidot if found.face > 0 else -phidot
+    towards = phidot if found.face < 0 else -phidot
     assert found.eta_hat == side * 1e-12
     expected = (bar, towards, np.pi / 2)
     unit = COIN.rate_unit
