@@ -11,6 +11,7 @@ file of this package and of the compiler's version: new code, new folder.
 
 import hashlib
 import os
+import pickle
 import sys
 import tempfile
 import threading
@@ -24,7 +25,7 @@ import llvmlite
 import numba
 from numba import types as nb
 from numba.core import config
-from numba.core.caching import FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 from numba.core.codegen import JITCodeLibrary, get_host_cpu_features
 from numba.core.compiler import Compiler
 from numba.core.runtime import rtsys
@@ -159,6 +160,47 @@ class _KernelCompiler(Compiler):  # type: ignore[misc]
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": _FLAGS, "nogil": True}
 
 
+class _Place:
+    """Where numba keeps the compiled code of a function: in our folder, wherever the source lies."""
+
+    def __init__(self, function: Callable) -> None:
+        self._line = function.__code__.co_firstlineno
+
+    @classmethod
+    def from_function(cls, function: Callable, _source: str) -> "_Place":
+        return cls(function)
+
+    def ensure_cache_path(self) -> None:
+        """It is there: `cache_folder` has made it."""
+
+    def get_cache_path(self) -> str:
+        return str(cache_folder())
+
+    def get_source_stamp(self) -> str:
+        return source_digest()
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+
+class _Kept(CompileResultCacheImpl):  # type: ignore[misc]
+    _locator_classes = (_Place,)
+
+
+class _Files(IndexDataCacheFile):  # type: ignore[misc]
+    """Compiled code in files that end with their SHA-256: one wrong bit would give other numbers, or end Python."""
+
+    def _dump(self, content: Any) -> bytes:
+        data: bytes = super()._dump(content)  # what follows a pickle is not read as one
+        return data + hashlib.sha256(data).digest()
+
+    def _load_data(self, name: str) -> Any:
+        data = Path(self._data_path(name)).read_bytes()
+        if hashlib.sha256(data[:-32]).digest() != data[-32:]:
+            raise ValueError("its checksum differs")
+        return pickle.loads(data)
+
+
 class _Cache(FunctionCache):  # type: ignore[misc]
     """numba's cache of one function, which takes from it without learning to compile first.
 
@@ -166,6 +208,12 @@ class _Cache(FunctionCache):  # type: ignore[misc]
     there is anything to compile: 0.3 of the 0.9 s in which a command starts. Where it does compile, it does so
     then.
     """
+
+    _impl_class = _Kept
+
+    def __init__(self, function: Callable) -> None:
+        super().__init__(function)
+        self._cache_file = _Files(self.cache_path, self._impl.filename_base, source_digest())
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         rtsys.initialize(context)  # what kernels call of numba's own
@@ -220,12 +268,7 @@ class Kernel(Generic[P]):
     def _build_in(self, folder: Path | None) -> Callable:
         made: Any = numba.njit(pipeline_class=_KernelCompiler, **_OPTIONS)(self.function)
         if folder is not None:
-            # numba reads its folder from a process-wide setting; others keep theirs.
-            before, config.CACHE_DIR = config.CACHE_DIR, str(folder)
-            try:
-                made._cache = _Cache(self.function)
-            finally:
-                config.CACHE_DIR = before
+            made._cache = _Cache(self.function)
         if not config.DISABLE_JIT:
             hints = get_type_hints(self.function, include_extras=True)
             made.compile(numba.void(*(numba_type(hints[name]) for name in hints if name != "return")))
@@ -253,8 +296,9 @@ def cache_folder() -> Path | None:
     ``NUMBA_CACHE_DIR`` wins if set, so that an administrator's choice is respected. Compiled code is a pickle,
     which runs as whoever loads it: nobody else may enter the folder.
     """
-    folder = Path(os.environ.get("NUMBA_CACHE_DIR") or _user_cache()) / f"nearflat-{source_digest()[:16]}"
+    folder = Path()
     try:
+        folder = Path(os.environ.get("NUMBA_CACHE_DIR") or _user_cache()) / f"nearflat-{source_digest()[:16]}"
         folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         folder.mkdir(mode=0o700, exist_ok=True)
         found = folder.lstat()  # on Windows folders are private by the rights of the profile, which no mode shows
@@ -262,8 +306,9 @@ def cache_folder() -> Path | None:
             raise PermissionError("it is not private to you")
         with tempfile.TemporaryFile(dir=folder):
             return folder
-    except (OSError, ValueError) as error:
-        fault = f"no cache for compiled code in {folder} ({getattr(error, 'strerror', None) or error})"
+    except (OSError, ValueError, RuntimeError) as error:  # RuntimeError: no home folder is known
+        where = f" in {folder}" if folder.name else ""
+        fault = f"no cache for compiled code{where} ({getattr(error, 'strerror', None) or error})"
         warnings.warn(f"{fault}; set NUMBA_CACHE_DIR to a folder of your own", RuntimeWarning, stacklevel=2)
     return None
 

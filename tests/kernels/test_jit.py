@@ -44,9 +44,9 @@ print(*out, caller.sum_batch.name in cached_names())
 """
 
 
-def run(code, folder, **environment):
+def run(code, folder, *arguments, **environment):
     done = subprocess.run(
-        [sys.executable, "-W", "always", "-c", code],
+        [sys.executable, "-W", "always", "-c", code, *map(str, arguments)],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": str(folder), **environment},
         capture_output=True,
@@ -125,6 +125,52 @@ def test_compiled_code_that_others_could_have_written_is_not_loaded(warm, tmp_pa
     for done in refused:
         assert done.stdout.split() == ["None", "set()"]
         assert "not private to you" in done.stderr
+
+
+FLIPPED = """
+import sys, warnings
+import numpy as np
+from pathlib import Path
+from kernels import caller
+from kernels._jit import Kernel
+(path,) = Path(sys.argv[1]).rglob("*.nbc")
+for place in np.linspace(0.0, 1.0, 30):
+    whole = path.read_bytes()
+    damaged = bytearray(whole)
+    damaged[int(place * (len(whole) - 1))] ^= 1 << int(7 * place)
+    path.write_bytes(damaged)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        out = np.zeros(2)
+        Kernel(caller.sum_batch.function)(np.array([0.5, np.nan, 1.0]), out)
+    assert out.tolist() == [3.0, 1.0], (place, out)
+    assert len(told) == 1, (place, told)
+    (path,) = Path(sys.argv[1]).rglob("*.nbc")
+print("right")
+"""
+
+
+def test_one_wrong_bit_of_compiled_code_changes_no_number(warm, tmp_path):
+    """It would give other numbers with status ok, or end Python without a word; a checksum notices it."""
+    copy, cache = warm[0], tmp_path / "cache"
+    shutil.copytree(warm[1], cache)
+    assert run(FLIPPED, copy, cache, NUMBA_CACHE_DIR=str(cache)).stdout == "right\n"
+
+
+def test_a_second_copy_of_the_same_source_takes_what_the_first_has_compiled(warm, tmp_path):
+    copy, before = small_package(tmp_path / "copy"), compiled_files(warm[1])
+    assert run(ASK, copy, NUMBA_CACHE_DIR=str(warm[1])).stdout.split() == ["3.0", "1.0", "True"]
+    assert compiled_files(warm[1]) == before
+
+
+@pytest.mark.skipif(os.name != "posix", reason="elsewhere homes are not told by HOME")
+def test_without_any_home_folder_it_works_with_one_warning(warm):
+    """As in containers, for a user whom the system does not know."""
+    unknown = "import os\nfrom pathlib import Path\n"
+    unknown += "def no_home(): raise RuntimeError('Could not determine home directory.')\nPath.home = no_home\n"
+    done = run(unknown + ASK, warm[0], NUMBA_CACHE_DIR="", XDG_CACHE_HOME="")
+    assert done.stdout.split() == ["3.0", "1.0", "False"]
+    assert done.stderr.count("no cache for compiled code") == 1
 
 
 def test_a_corrupted_cache_is_replaced(warm, tmp_path):
