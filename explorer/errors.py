@@ -14,6 +14,7 @@ states and of disks, which need numpy, are in `phase.arguments`, `phase.states` 
 import math
 import re
 import sys
+import warnings
 from collections.abc import Collection, Iterable
 from decimal import Decimal
 from difflib import get_close_matches
@@ -85,6 +86,14 @@ def note(text: str, quiet: bool) -> None:
     """Print a line on stderr, unless the user asked for quiet."""
     if not quiet:
         print(text, file=sys.stderr, flush=True)
+
+
+def warn(message: str, kind: type[Warning] = UserWarning) -> None:
+    """Warn at the line that called nearflat, however many of our functions lie between."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] == "explorer":
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, kind, stacklevel=level)
 
 
 def shorten(text: str, most: int) -> str:

@@ -7,7 +7,6 @@ and spin, with constants of motion in place of sigma3 and sigma4, or with the en
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from typing import NamedTuple, TypeVar
@@ -15,7 +14,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from explorer.errors import InputError, flag, one_of
+from explorer.errors import InputError, flag, one_of, warn
 from explorer.phase.arguments import column, read_columns
 from explorer.phase.columns import ANGLE, COLUMNS, RATE
 from explorer.phase.disk import Disk, require_axial_inertia, require_disk
@@ -106,15 +105,14 @@ def from_rates(
     return replace(theta_to_states(disk, angle, rate, sigma3, own, down), shape=shape)
 
 
-def warn_of_degrees(angle: Array, stacklevel: int = 4) -> None:
+def warn_of_degrees(angle: Array) -> None:
     """Warn where tilts (rad) are probably degrees that were read as radians."""
     known = angle[np.isfinite(angle)]
     if known.size and (known > 0.5 * np.pi).all():
-        warnings.warn(
+        warn(
             "tilt: all tilts lie beyond upright (pi/2 rad); where they are degrees, give degrees=True, or "
             "--degrees on the command line",
             StateWarning,
-            stacklevel=stacklevel,
         )
 
 

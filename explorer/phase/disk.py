@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 import sys
-import warnings
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property, partial
@@ -15,7 +14,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from explorer import compiled
-from explorer.errors import InputError, double_of, nearest, number, one_of, positive, said, shown, word
+from explorer.errors import InputError, double_of, nearest, number, one_of, positive, said, shown, warn, word
 from explorer.paths import read_toml
 from explorer.phase.arguments import Array as Array
 from explorer.phase.energy import energy_at
@@ -55,11 +54,11 @@ class Disk:
 
     Parameters
     ----------
-    m : float
-        Mass (kg).
-    r : float
+    m : float, optional
+        Mass (kg); 1 if left out, as r and g are.
+    r : float, optional
         Radius of the rim (m).
-    g : float
+    g : float, optional
         Gravity (m/s^2).
     I1, I3 : float, optional
         Transverse and axial moment of inertia (kg m^2), 0 <= I3 <= 2 I1 by eq. (2.3). I1 is by default that of a
@@ -75,7 +74,8 @@ class Disk:
     Warns
     -----
     UserWarning
-        If m or r is given and I3 exceeds 2 m r^2. Then either mass lies far beyond the rim, or the moments
+        If m or r is given without g, which is then 1: with kilograms and metres, seconds would need g=9.81. Also
+        if m or r is given and I3 exceeds 2 m r^2. Then either mass lies far beyond the rim, or the moments
         were meant in units of m r^2; `from_ratios` takes these.
 
     Examples
@@ -96,16 +96,16 @@ class Disk:
     def __init__(
         self,
         *,
-        m: float = 1.0,
-        r: float = 1.0,
-        g: float = 1.0,
+        m: float | None = None,
+        r: float | None = None,
+        g: float | None = None,
         I1: float | None = None,
         I3: float | str | None = None,
         name: str = "custom",
     ) -> None:
         mass, radius, gravity = _units(m, r, g)
-        transverse = 0.25 * mass * radius * radius if I1 is None else positive("disk: I1", I1)
-        axial = 2.0 * transverse if _is_flat(I3) else number("disk: I3", I3, 0.0)
+        transverse = 0.25 * mass * radius * radius if I1 is None else positive("disk: I1", _bare("I1", I1))
+        axial = 2.0 * transverse if _is_flat(I3) else number("disk: I3", _bare("I3", I3), 0.0)
         read = {"m": mass, "r": radius, "g": gravity, "I1": transverse, "I3": axial}
         for key, value in {**read, "name": word("disk: name", name)}.items():
             object.__setattr__(self, key, value)
@@ -118,10 +118,9 @@ class Disk:
             raise InputError("disk: m, r, g, I1 lie too far apart for floating point; rescale the units")
         ratio = self.I3 / self._inertia_unit
         if ratio > 2.0 and (self.m, self.r) != (1.0, 1.0):
-            warnings.warn(
+            warn(
                 f"disk: I3 = {self.I3:g} is {ratio:.3g} m r^2, and a hoop has 1: mass lies beyond the rim; "
-                "for moments in units of m r^2 use Disk.from_ratios",
-                stacklevel=2,
+                "for moments in units of m r^2 use Disk.from_ratios"
             )
 
     @classmethod
@@ -130,9 +129,9 @@ class Disk:
         *,
         I1: float,
         I3: float | str | None = None,
-        m: float = 1.0,
-        r: float = 1.0,
-        g: float = 1.0,
+        m: float | None = None,
+        r: float | None = None,
+        g: float | None = None,
         name: str = "custom",
     ) -> Disk:
         """A body whose moments of inertia are in units of m r^2; I3 is by default that of a flat one, 2 I1.
@@ -149,7 +148,9 @@ class Disk:
         return cls(m=m, r=r, g=g, I1=positive("disk: I1", I1) * unit, I3=axial, name=name)
 
     @classmethod
-    def annulus(cls, inner: float | str, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
+    def annulus(
+        cls, inner: float | str, *, m: float | None = None, r: float | None = None, g: float | None = None
+    ) -> Disk:
         """A flat uniform ring; inner is the ratio of its inner radius to its outer one, 0 (disk) to 1 (hoop).
 
         Examples
@@ -164,7 +165,7 @@ class Disk:
         return cls.from_ratios(I1=0.25 * (1.0 + ratio * ratio), m=m, r=r, g=g, name=f"annulus-{ratio:g}")
 
     @classmethod
-    def uniform(cls, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
+    def uniform(cls, *, m: float | None = None, r: float | None = None, g: float | None = None) -> Disk:
         """The uniform disk, eq. (2.5): m r^2 / I1 = 4.
 
         Examples
@@ -176,7 +177,7 @@ class Disk:
         return replace(cls.annulus(0.0, m=m, r=r, g=g), name="uniform")
 
     @classmethod
-    def hoop(cls, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
+    def hoop(cls, *, m: float | None = None, r: float | None = None, g: float | None = None) -> Disk:
         """The hoop, eq. (2.6): m r^2 / I1 = 2.
 
         Examples
@@ -188,7 +189,7 @@ class Disk:
         return replace(cls.annulus(1.0, m=m, r=r, g=g), name="hoop")
 
     @classmethod
-    def matching(cls, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
+    def matching(cls, *, m: float | None = None, r: float | None = None, g: float | None = None) -> Disk:
         """The flat body with m r^2 / I1 = 3, for which both one-sided limit motions agree.
 
         Examples
@@ -366,9 +367,22 @@ def _is_flat(I3: Any) -> bool:
 
 
 def _units(m: Any, r: Any, g: Any) -> tuple[float, float, float]:
-    """Mass, radius and gravity, read. Raises InputError."""
-    mass, radius, gravity = (positive(f"disk: {key}", value) for key, value in {"m": m, "r": r, "g": g}.items())
+    """Mass, radius and gravity, read; 1 where they are left out. Raises InputError."""
+    given = {"m": m, "r": r, "g": g}
+    mass, radius, gravity = (
+        1.0 if value is None else positive(f"disk: {key}", _bare(key, value)) for key, value in given.items()
+    )
+    if g is None and not (m is None and r is None):
+        warn("disk: m or r is given without g, which is then 1; give g=9.81 for kilograms, metres and seconds")
     return mass, radius, gravity
+
+
+def _bare(key: str, value: Any) -> Any:
+    """A quantity as it is. Raises InputError for one with a unit, which only `Disk.parse` reads."""
+    if isinstance(value, str) and value[:1].isdigit() and double_of(value) is None:
+        remedy = 'give one, or a text with units to Disk.parse, such as "uniform:m=20g,r=5cm"'
+        raise InputError(f"{said(f'disk: {key}', value)} is not a number; {remedy}")
+    return value
 
 
 def _can_be_scaled(disk: Disk) -> bool:

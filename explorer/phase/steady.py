@@ -117,7 +117,7 @@ def steady_motions(
     (angle, rate, down), shape = read_columns(tilt=tilt, precession=precession, face=face)
     angle, rate = (column * angle_unit("tilt", flag("degrees", degrees)) for column in (angle, rate))
     if not degrees:
-        warn_of_degrees(angle, 3)
+        warn_of_degrees(angle)
     b, unit, code = disk.body, disk.rate_unit, compiled.status.Status
     with np.errstate(all="ignore"):
         phi, turn = down * (0.5 * np.pi - angle), rate / unit

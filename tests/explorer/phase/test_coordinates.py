@@ -125,6 +125,11 @@ def test_a_tilt_that_is_none_is_bad_input():
 
 
 def test_warnings_of_tilts_point_at_the_line_of_the_user():
-    with pytest.warns(ex.StateWarning) as told:
-        ex.rates_to_states(COIN, 10.0, 0.0, 1.0, 1.0)
-    assert told[0].filename == __file__
+    for call in (
+        lambda: ex.rates_to_states(COIN, 10.0, 0.0, 1.0, 1.0),
+        lambda: ex.steady_motions(COIN, 10.0, 1.0),
+        lambda: ex.coordinates_to_states(COIN, tilt=10.0, precession=1.0, spin=1.0),
+    ):
+        with pytest.warns(ex.StateWarning) as told:
+            call()
+        assert told[0].filename == __file__
