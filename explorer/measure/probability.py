@@ -24,6 +24,7 @@ from explorer.motion.bounces import MOST, Bounces, bounces
 from explorer.motion.turning_points import smallest_tilts
 from explorer.phase.arguments import returned_numbers
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.energy import eta_to_eta_hat
 from explorer.phase.states import States
 
 Event = tuple[str, float] | str | Callable[[Bounces], ArrayLike]
@@ -268,7 +269,7 @@ def _counted(
 def _may_come(states: States, delta: float) -> NDArray[np.bool_]:
     """Which states may come flatter than delta."""
     disk, motion = states.disk, states.motion
-    eta_hat = disk.eta_to_eta_hat(motion.eta(motion.nearer_plus))
+    eta_hat = eta_to_eta_hat(disk.body, motion.eta(motion.nearer_plus))
     near: NDArray[np.bool_] = abs(eta_hat) <= widest_eta(motion.energy, delta, disk)
     return near
 

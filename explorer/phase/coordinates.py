@@ -116,13 +116,15 @@ def warn_of_degrees(angle: Array) -> None:
         )
 
 
-def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
+def coordinates_to_states(disk: Disk, *, degrees: bool = False, **coordinates: ArrayLike) -> States:
     """States from any complete set of coordinates and constants of motion.
 
     Parameters
     ----------
     disk : Disk
         The disk.
+    degrees : bool
+        Whether angles and rates are in degrees instead of rad.
     **coordinates
         Three to five arrays, which broadcast: a tilt, two spins and, if you like, a face. All rates are in the
         units of the disk.
@@ -166,7 +168,7 @@ def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
     if not {"theta", "tilt"} & coordinates.keys():
         coordinates.setdefault("phi", 0.0)
     chart, values = chart_of("coordinates", coordinates, 0.0)
-    return chart.states(disk, values)
+    return chart.states(disk, values, flag("degrees", degrees))
 
 
 def constants_to_states(
@@ -208,7 +210,7 @@ def constants_to_states(
     array([1.e+000, 1.e-297])
     """
     given = {"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot, "face": face}
-    return coordinates_to_states(disk, **given)
+    return coordinates_to_states(disk, degrees=False, **given)
 
 
 def _from_constants(disk: Disk, **given: ArrayLike) -> States:

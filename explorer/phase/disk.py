@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +17,7 @@ from explorer import compiled
 from explorer.errors import InputError, double_of, nearest, number, one_of, positive, said, shown, warn, word
 from explorer.paths import read_toml
 from explorer.phase.arguments import Array as Array
-from explorer.phase.energy import energy_at
-
-Number = TypeVar("Number", float, Array)
+from explorer.phase.energy import Number, energy_at_flat, eta_hat_to_eta, eta_to_eta_hat
 
 PRESETS = ("uniform", "hoop", "matching")
 _SCALES = ("m", "r", "g")
@@ -263,7 +261,7 @@ class Disk:
         return self._inertia_unit * self.rate_unit
 
     def eta_hat_to_eta(self, eta_hat: Number) -> Number:
-        """eta = I3 r(0) eta_hat, eq. (6.2); both in natural units.
+        """eta = I3 r(0) eta_hat, eq. (6.2); both in the units of the disk.
 
         Examples
         --------
@@ -272,10 +270,10 @@ class Disk:
         >>> round(disk.eta_to_eta_hat(disk.eta_hat_to_eta(0.25)), 12)
         0.25
         """
-        return eta_hat * self.body.I3 * self.body.r0
+        return eta_hat_to_eta(self.body, eta_hat) * self._inertia_unit
 
     def eta_to_eta_hat(self, eta: Number) -> Number:
-        """eta_hat = eta / (I3 r(0)), eq. (6.2); both in natural units. NaN if I3 = 0.
+        """eta_hat = eta / (I3 r(0)), eq. (6.2); both in the units of the disk. NaN if I3 = 0.
 
         Examples
         --------
@@ -283,20 +281,20 @@ class Disk:
         >>> round(ex.Disk.uniform().eta_to_eta_hat(1.0), 4)
         1.3614
         """
-        return eta / (self.body.I3 * self.body.r0 if self.body.I3 > 0.0 else math.nan)
+        return eta_to_eta_hat(self.body, eta / self._inertia_unit)
 
     def energy_at_flat(self, sigma3_bar: Number) -> Number:
-        """V_0, the amended potential at flat on a line l_+-, eq. (6.9); natural units. Needs I3 > 0.
+        """V_0, the amended potential at flat on a line l_+-, eq. (6.9); units of the disk. Needs I3 > 0.
 
         Examples
         --------
         >>> import explorer as ex
         >>> round(ex.Disk.uniform().energy_at_flat(1.0), 4)
         0.0869
+        >>> print(f"{ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81).energy_at_flat(30.0):.2e} J")
+        6.49e-05 J
         """
-        spin = sigma3_bar / (self.body.k * self.body.r0)  # the limit of sigma4 there, eq. (6.15)
-        flat: Number = energy_at(self.body, 0.0, 0.0, spin, 0.0)
-        return flat
+        return energy_at_flat(self.body, sigma3_bar / self.rate_unit) * self.energy_unit
 
     @property
     def kappa(self) -> float:
