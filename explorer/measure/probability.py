@@ -217,7 +217,8 @@ def probability(
 def read_delta(name: str, event: Any) -> float:
     """Read the tilt of ("theta_min", delta) or "theta_min:delta". Raises InputError."""
     parts = tuple(event.split(":")) if isinstance(event, str) else event
-    if not isinstance(parts, tuple | list) or len(parts) != 2 or parts[0] != "theta_min":
+    pair = isinstance(parts, tuple | list) and len(parts) == 2 and isinstance(parts[0], str)
+    if not pair or parts[0] != "theta_min":
         raise InputError(f'{name} = {shown(event)}: give theta_min:DELTA, or ("theta_min", delta), or a function')
     return number(f"{name} theta_min", parts[1], 1e-100, 1.0)
 

@@ -14,7 +14,7 @@ from explorer.measure.sampling import Range, Ranges, in_radians, read_ranges
 from explorer.motion.plan import plan
 from explorer.motion.scan import Observable, Scan, scan
 from explorer.motion.turning_points import smallest_tilt
-from explorer.phase.coordinates import ANGULAR
+from explorer.phase.coordinates import ANGULAR, angle_unit
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import Falls, falls
 from explorer.phase.states import Array, States
@@ -118,9 +118,9 @@ class SliceMap(Scan):
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
         """The coordinates of the grid, in the units of the axes, then the observables."""
-        grid = self.slice.grid(self.x.size)[2]
-        shown = {name: _shown(name, column, self.degrees) for name, column in grid.items()}
-        return {name: column.reshape(self.shape) for name, column in shown.items()} | self.values
+        grid = self.slice.grid(self.x.size)[2].items()
+        shown = {n: column.reshape(self.shape) / angle_unit(n, self.degrees) for n, column in grid}
+        return shown | self.values
 
     def to_arrow(self) -> pa.Table:
         """The table of `to_pandas`, in Arrow; the metadata of each field states its meaning, unit and equation."""
@@ -207,13 +207,8 @@ def slice_map(
     found = scan(states, theta_min if alone else observable, jobs).values
     # One column, as `bounces` returns it, is one entry for each state.
     values = {name: each[..., 0] if each.shape[2:] == (1,) else each for name, each in found.items()}
-    x, y = (_shown(name, ends, degrees) for name, ends in zip(where.axes, (x, y), strict=True))
+    x, y = (ends / angle_unit(name, degrees) for name, ends in zip(where.axes, (x, y), strict=True))
     return SliceMap(states, values, where, x, y, falls(states), how.method, degrees)
-
-
-def _shown(name: str, values: Array, degrees: bool) -> Array:
-    """Values of a coordinate as the axes show them. degrees: whether angles and rates are in degrees."""
-    return np.degrees(values) if degrees and name in ANGULAR else values
 
 
 @dataclass(frozen=True)

@@ -241,7 +241,8 @@ class Run:
         """
         chunks = self.complete()
         known = chunks[0].columns()
-        names = [one_of("column", name, known) for name in words("columns", columns)] if columns else known
+        asked = () if columns is None else words("columns", columns)
+        names = [one_of("column", name, known) for name in asked] or known
         return (chunk.table(names) for chunk in chunks)
 
     def arrow(self, columns: Columns = None) -> "pa.Table":

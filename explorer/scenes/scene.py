@@ -305,7 +305,7 @@ def scene_class(name: Any) -> type[Scene]:
     if isinstance(name, str) and (".py:" in name or name.endswith(".py")):
         return register(_in_file(name))
     known = [*NAMES, *_own]
-    if name not in known:
+    if not isinstance(name, str) or name not in known:
         yours = "A scene of your own: nearflat run my.py:Scene, or ex.register(Scene)"
         raise InputError(f"scene {shown(name)} is not known; {suggest(name, known)}. {yours}")
     if name in _own:
