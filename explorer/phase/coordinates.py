@@ -7,6 +7,7 @@ and spin, with constants of motion in place of sigma3 and sigma4, or with the en
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from typing import NamedTuple, TypeVar
@@ -303,20 +304,25 @@ def recognise(names: Collection[str], what: str = "states") -> Chart:
 
     what: how the message calls the table. Raises InputError, with the charts, where no chart is complete.
     """
+    alike = {_spelt(name): name for name in KNOWN if name not in names}
+    meant = {name: alike[_spelt(name)] for name in names if _spelt(name) in alike}
     for chart in CHARTS:
         if set(chart.needed) <= set(names):
-            _refuse_misspelt(chart, names, what)
+            for name, known in meant.items():
+                if known in chart.optional:  # it would be ignored
+                    raise InputError(f"{what}: column {name!r} looks like {known!r}, which is missing; rename it")
             return chart
     there = [name for name in names if name in KNOWN]
+    hint = f"; did you mean {', '.join(meant.values())} by {', '.join(meant)}?" if meant else ""
     if there:
         nearest = max(CHARTS, key=lambda chart: len(set(chart.needed) & set(there)) / len(chart.needed))
         missing = [name for name in nearest.needed if name not in there]
         raise InputError(
-            f"{what}: {', '.join(there)}: these alone do not determine a state; add {' and '.join(missing)}"
+            f"{what}: {', '.join(there)}: these alone do not determine a state; add {' and '.join(missing)}{hint}"
         )
     shown = f"{', '.join(list(names)[:6])}: they do not determine a state" if names else "none were given"
     sets = "; ".join(", ".join(chart.needed) for chart in CHARTS[:5])
-    raise InputError(f"{what}: {shown}; give one of these sets: {sets}")
+    raise InputError(f"{what}: {shown}; give one of these sets: {sets}{hint}")
 
 
 def chart_of(what: str, given: Mapping[str, T], zero: T) -> tuple[Chart, dict[str, T]]:
@@ -334,13 +340,6 @@ def chart_of(what: str, given: Mapping[str, T], zero: T) -> tuple[Chart, dict[st
     return chart, {name: values[name] for name in chart.present(values)}
 
 
-def _refuse_misspelt(chart: Chart, names: Collection[str], what: str) -> None:
-    """Raise InputError where a column looks like an optional one that is not there, and would be ignored."""
-    for name in chart.optional:
-        for other in names:
-            if name not in names and other not in COLUMNS and _spelt(other) == _spelt(name):
-                raise InputError(f"{what}: column {other!r} looks like {name!r}, which is not there; rename it")
-
-
 def _spelt(name: str) -> str:
-    return "".join(letter for letter in name.lower() if letter.isalnum())
+    """The letters of a name without its unit: "tiltrate" of "Tilt_Rate", "tilt rate (deg/s)" and "tilt_rate/s"."""
+    return "".join(letter for letter in re.split(r"[(\[/]", name.lower())[0] if letter.isalnum())
