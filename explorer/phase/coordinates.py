@@ -270,10 +270,16 @@ class Chart(NamedTuple):
         """The coordinates of this chart among `names`."""
         return tuple(name for name in self.names if name in names)
 
-    def states(self, disk: Disk, columns: Mapping[str, ArrayLike], degrees: bool = False) -> States:
-        """The states of a table. degrees: whether angles and rates are in degrees; energies never are."""
+    def states(
+        self, disk: Disk, columns: Mapping[str, ArrayLike], degrees: bool = False, quiet: bool = False
+    ) -> States:
+        """The states of a table.
+
+        degrees: whether angles and rates are in degrees; energies never are. quiet: gives no warning of tilts that
+        look like degrees.
+        """
         used = {name: column(name, columns[name]) * angle_unit(name, degrees) for name in self.present(columns)}
-        if "tilt" in used and not degrees:
+        if "tilt" in used and not degrees and not quiet:
             warn_of_degrees(used["tilt"])
         return self.make(disk, **used)
 

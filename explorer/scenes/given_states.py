@@ -158,8 +158,11 @@ class GivenStates:
         turned = {"degrees": True} if self.degrees else {}
         return {**file, "rows": self.rows, "sha256": self.sha256, **turned}
 
-    def read(self, disk: Disk, first: int, count: int) -> Block:
-        """Rows first ... first + count - 1. Raises InputError where the file has been damaged since."""
+    def read(self, disk: Disk, first: int, count: int, quiet: bool = True) -> Block:
+        """Rows first ... first + count - 1. Raises InputError where the file has been damaged since.
+
+        quiet: as of `Chart.states`.
+        """
         if self.opened is not self:
             return self.opened.read(disk, first, count)
         row = {"row": np.arange(first, first + count)}
@@ -171,7 +174,7 @@ class GivenStates:
             table = self._piece(self.chart, first, count)
         else:
             table = {name: values[first : first + count] for name, values in self.columns.items()}
-        states = self.chart.states(disk, table, self.degrees)
+        states = self.chart.states(disk, table, self.degrees, quiet)
         known = coordinates_of(states)
         self._refuse_contradictions(disk, self.chart, table, known, first)
         # Those that were given stay as they are, to the last digit and also where they are no state. Others, and
@@ -188,7 +191,7 @@ class GivenStates:
             text = any(table[name].dtype.kind not in "iuf" for name in sets[1])
             if other is chart or text or {*other.names} - {"face", "tilt_rate"} - {*sets[1]}:
                 continue
-            seen = coordinates_of(other.states(disk, table, self.degrees))
+            seen = coordinates_of(other.states(disk, table, self.degrees, True))
             if not all(_SPEEDS & {*each} for each in sets):
                 seen["phidot"] = known["phidot"]  # only one of them says it
             size = sum(abs(part[name]) for part in (known, seen) for name in COORDINATES[1:])
