@@ -14,6 +14,7 @@ states and of disks, which need numpy, are in `phase.arguments`, `phase.states` 
 import math
 import re
 import sys
+import warnings
 from collections.abc import Collection, Iterable
 from decimal import Decimal
 from difflib import get_close_matches
@@ -24,6 +25,7 @@ MOST_JOBS = 1024  # threads or processes: more only take memory
 SHOWN = 60  # characters of a value in it
 _ELSEWHERE = {"rk45": "dopri5", "ode45": "dopri5"}  # what other programs call a word that is known here
 _THOUSANDS = {"k": "e3", "K": "e3", "M": "e6"}  # 10k
+_SPELT = str.maketrans({"\N{MINUS SIGN}": "-", "d": "e", "D": "e"})  # 1.0D+01, as Fortran writes numbers
 _WHOLE = re.compile(r"[+-]?\d{1,400}", re.ASCII)  # Python refuses to read very long ones
 
 
@@ -87,6 +89,14 @@ def note(text: str, quiet: bool) -> None:
         print(text, file=sys.stderr, flush=True)
 
 
+def warn(message: str, kind: type[Warning] = UserWarning) -> None:
+    """Warn at the line that called nearflat, however many of our functions lie between."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] == "explorer":
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, kind, stacklevel=level)
+
+
 def shorten(text: str, most: int) -> str:
     """The text, without its middle where it is longer than `most`."""
     return text if len(text) <= most else f"{text[: most - 3 - most // 2]}...{text[-(most // 2) :]}"
@@ -143,7 +153,7 @@ def plain_number(value: Any) -> Any:
 def double_of(value: Any) -> float | None:
     """A number, or text that is one, as a double, infinite beyond them; None where it is no real number."""
     if isinstance(value, str):
-        text = value.rstrip()
+        text = value.rstrip().translate(_SPELT)
         try:
             return float(text[:-1] + _THOUSANDS[text[-1]] if text[-1:] in _THOUSANDS else text)
         except ValueError:
@@ -215,7 +225,8 @@ def one_of(name: str, value: Any, known: Collection[str]) -> str:
 
 def words(name: str, value: Any) -> tuple[str, ...]:
     """Read a sequence of words. Raises InputError."""
-    read = (None,) if isinstance(value, str) or not isinstance(value, Iterable) else tuple(value)
+    alone = isinstance(value, str) or not isinstance(value, Iterable) or getattr(value, "shape", None) == ()
+    read = (None,) if alone else tuple(value)
     if not all(isinstance(each, str) for each in read):
         raise InputError(f"{name} = {shown(value)}: give a list of words")
     return tuple(map(str, read))

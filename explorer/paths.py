@@ -12,14 +12,23 @@ from explorer.errors import InputError, said, shown
 
 
 def path_of(name: str, value: Any) -> Path:
-    """Read a path: text that is not empty, or a Path. Raises InputError."""
+    """Read a path: text that is not empty, or a Path; ~ at its beginning is a home folder. Raises InputError."""
     if not isinstance(value, str | os.PathLike) or not (text := os.fspath(value)) or "\0" in str(text):
         raise InputError(f"{said(name, value)} is no path; give text or a Path")
-    return Path(value)
+    path = Path(value)
+    if not str(path).startswith("~"):
+        return path
+    if not str(text).startswith("~"):  # ./~name, of which Path drops ./
+        return path.absolute()
+    try:
+        return path.expanduser()
+    except RuntimeError:
+        raise InputError(f"{said(name, value)}: there is no such home folder; give the path in full") from None
 
 
 def read_toml(path: Path, option: str) -> dict[str, Any]:
     """The content of a TOML file. Raises InputError naming the option and the file."""
+    path = path_of(option, path)
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:

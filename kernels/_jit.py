@@ -188,7 +188,7 @@ class _Kept(CompileResultCacheImpl):  # type: ignore[misc]
 
 
 class _Files(IndexDataCacheFile):  # type: ignore[misc]
-    """Compiled code in files that end with their SHA-256: one wrong bit would give other numbers, or end Python."""
+    """Compiled code in files that end with their SHA-256: one wrong bit may give other numbers, or end Python."""
 
     def _dump(self, content: Any) -> bytes:
         data: bytes = super()._dump(content)  # what follows a pickle is not read as one

@@ -80,7 +80,7 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
 
 def call(options: argparse.Namespace) -> Answer:
     """Write the page."""
-    page = Path(options.folder) / "README.md"
+    page = path_of("DIR", options.folder) / "README.md"
     text = gallery(options.folder)
     made_folder("DIR", page.parent)
     page.write_text(text, encoding="utf-8")

@@ -8,6 +8,7 @@ and `call(options)`, which returns an `Answer`; nothing heavy is imported before
 import argparse
 import contextlib
 import gc
+import io
 import json
 import os
 import re
@@ -160,6 +161,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit status."""
     words = sys.argv[1:] if arguments is None else [str(word) for word in arguments]
     if arguments is None:
+        for stream in (sys.stdout, sys.stderr):  # a path may have letters that a terminal or a log file has not
+            if isinstance(stream, io.TextIOWrapper):
+                stream.reconfigure(errors="backslashreplace")
         gc.set_threshold(_COLLECTED)
         if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
             signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends as Ctrl-C does, with a sentence

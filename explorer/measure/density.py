@@ -101,7 +101,7 @@ class Density:
 
         Raises InputError.
         """
-        found = box if isinstance(box, Ranges) else box_of(disk, read_ranges("box", box or {}))
+        found = box if isinstance(box, Ranges) else box_of(disk, read_ranges("box", box))
         if not isinstance(found, Box):
             raise InputError(
                 f"box: give {', '.join(COORDINATES)}, in which the measure is invariant; probability takes "
@@ -118,7 +118,7 @@ class Density:
                 "falling set are too steep for this; give a disk with larger ones"
             )
         bounds = ANY_ENERGY if energy is None else read_range("energy", energy, unbounded=True)
-        return cls(found, bounds, tuple(read_gaussians("gaussian", gaussian or {}).items()), density)
+        return cls(found, bounds, tuple(read_gaussians("gaussian", gaussian).items()), density)
 
     def seen_from(self, disk: Disk, face: int) -> "Density":
         """The same in natural units, as a face sees it.

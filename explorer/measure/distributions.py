@@ -174,7 +174,7 @@ class Distribution:
         face = sign("face", values.pop("face", 1))
         found = {name: Coordinate.of(name, value, angle_unit(name, degrees)) for name, value in values.items()}
         if "tilt" in found and not degrees:
-            warn_of_degrees(np.atleast_1d(np.median(found["tilt"].nodes)), 5)
+            warn_of_degrees(np.atleast_1d(np.median(found["tilt"].nodes)))
         return cls(disk, chart, found, face)
 
     @classmethod

@@ -35,7 +35,7 @@ from explorer.measure.box_integrals import (
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, Range
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.energy import energy_at
+from explorer.phase.energy import energy_at, energy_at_flat, eta_to_eta_hat
 from explorer.phase.falling_set import barrier, critical_X2, well
 from explorer.phase.linear_constants import line_chart
 from explorer.phase.results import Table
@@ -239,7 +239,7 @@ class LineIntegral:
         found = []
         for nodes, (bar, weight) in zip(NODES, self._bars(phi, a, c, curvature), strict=True):
             V = np.cos(phi)[:, None] + curvature[:, None] * bar * bar
-            gain = 2.0 / b.M * (V - disk.energy_at_flat(bar))
+            gain = 2.0 / b.M * (V - energy_at_flat(disk.body, bar))
             # A start that is slower does not pass the barrier on its way to flat. Upright at rest (V = 1) that is
             # in the way of the inverted pendulum, which reaches both faces if it passes.
             height = np.ones(bar.shape) if self.both else self._barrier(phi[:, None], bar)
@@ -247,7 +247,7 @@ class LineIntegral:
             columns = phi[:, None], a[:, None] * bar, c[:, None] * bar
             speeds = self.of.over_speeds(columns, least, most, gain, nodes)
             found.append((weight * (self.energy >= V) * speeds).sum(axis=-1))
-        return np.array(found) * disk.eta_to_eta_hat(2.0 * math.sqrt(b.I1 * b.M))
+        return np.array(found) * eta_to_eta_hat(disk.body, 2.0 * math.sqrt(b.I1 * b.M))
 
     def _bars(self, phi: Array, a: Array, c: Array, curvature: Array) -> list[tuple[Array, Array]]:
         """sigma3_bar on the line within the box (n, nodes), and the weight of its step, by the rules of NODES."""

@@ -24,6 +24,7 @@ from explorer.motion.bounces import MOST, Bounces, bounces
 from explorer.motion.turning_points import smallest_tilts
 from explorer.phase.arguments import returned_numbers
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.energy import eta_to_eta_hat
 from explorer.phase.states import States
 
 Event = tuple[str, float] | str | Callable[[Bounces], ArrayLike]
@@ -216,7 +217,8 @@ def probability(
 def read_delta(name: str, event: Any) -> float:
     """Read the tilt of ("theta_min", delta) or "theta_min:delta". Raises InputError."""
     parts = tuple(event.split(":")) if isinstance(event, str) else event
-    if not isinstance(parts, tuple | list) or len(parts) != 2 or parts[0] != "theta_min":
+    pair = isinstance(parts, tuple | list) and len(parts) == 2 and isinstance(parts[0], str)
+    if not pair or parts[0] != "theta_min":
         raise InputError(f'{name} = {shown(event)}: give theta_min:DELTA, or ("theta_min", delta), or a function')
     return number(f"{name} theta_min", parts[1], 1e-100, 1.0)
 
@@ -268,7 +270,7 @@ def _counted(
 def _may_come(states: States, delta: float) -> NDArray[np.bool_]:
     """Which states may come flatter than delta."""
     disk, motion = states.disk, states.motion
-    eta_hat = disk.eta_to_eta_hat(motion.eta(motion.nearer_plus))
+    eta_hat = eta_to_eta_hat(disk.body, motion.eta(motion.nearer_plus))
     near: NDArray[np.bool_] = abs(eta_hat) <= widest_eta(motion.energy, delta, disk)
     return near
 

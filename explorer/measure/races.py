@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from explorer.measure.tallies import PER_DECADE, LogHistogram, LogRow, histograms
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk, require_axial_inertia, require_disk
+from explorer.phase.energy import eta_hat_to_eta, eta_to_eta_hat
 from explorer.phase.states import Array
 
 SIDES = {"plus": 1, "minus": -1}
@@ -111,7 +112,7 @@ def count_law(
     the disk. error: of the race angles (rad), as estimated; None of none.
     """
     unit, side = disk.rate_unit, np.sign(eta_hat)
-    eta = abs(disk.eta_hat_to_eta(eta_hat / unit))
+    eta = abs(eta_hat_to_eta(disk.body, eta_hat / unit))
     with np.errstate(all="ignore"):  # a speed of a user's own may be anything
         scale = 2.0 * eta / (disk.body.I1 * disk.body.M * (speed / unit) ** 3)
         constant = np.log(1.0 / eta) - side * (race - side * disk.race_limit) / scale
@@ -130,7 +131,7 @@ def law_rows(disk: Disk, found: LogHistogram) -> list[dict[str, Any]]:
     return [
         {
             "eta": eta,
-            "eta_hat": float(disk.eta_to_eta_hat(eta)) * disk.rate_unit,
+            "eta_hat": float(eta_to_eta_hat(disk.body, eta)) * disk.rate_unit,
             "passages": constants.total,
             "constant": {f"{share:g}": constants.quantile(share) for share in _SHARES},
         }

@@ -126,9 +126,9 @@ def read_gaussians(option: str, given: Any) -> dict[str, Range]:
 
 
 def _by_coordinate(option: str, given: Any, read: Callable[[str, Any], Range], example: str) -> dict[str, Range]:
-    """Two numbers for each coordinate."""
-    if isinstance(given, Ranges):
-        given = given.describe()
+    """Two numbers for each coordinate; none of None."""
+    if given is None or isinstance(given, Ranges):
+        given = given.describe() if given else {}
     if not isinstance(given, str | Mapping):
         raise InputError(f'{option} {shown(given)} is no text; write "{example}"')
     items = given.items() if isinstance(given, Mapping) else (part.split("=", 1) for part in given.split(","))

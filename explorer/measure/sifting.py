@@ -8,6 +8,7 @@ from explorer import compiled
 from explorer.measure.sampling import Box, Ranges, Stream
 from explorer.measure.tallies import LOWEST_BIN, NO_ENDS, PER_DECADE, LogHistogram
 from explorer.phase.disk import LARGEST_RATE, Disk
+from explorer.phase.energy import eta_hat_to_eta
 from explorer.phase.falling_set import obstacle
 from explorer.phase.states import COORDINATES, Array
 
@@ -45,7 +46,7 @@ def sift(disk: Disk, box: Ranges, random: Stream, sizes: tuple[int, int], near: 
     low, high = np.array([box.ranges[name] for name in COORDINATES]).T.copy()
     keys = compiled.philox.round_keys(random.bit_generator.state["state"]["key"])
     draw = compiled.sifting.Draw(keys, low, high - low, block, disk.rate_unit)
-    eta_per_eta_hat = disk.eta_hat_to_eta(1.0)
+    eta_per_eta_hat = eta_hat_to_eta(disk.body, 1.0)
     sieve = compiled.sifting.Sieve(obstacle(disk), eta_per_eta_hat, near, float(PER_DECADE), -LOWEST_BIN)
     found = compiled.sifting.Found(
         faces=np.zeros(len(FACES), np.int64),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,13 @@ from explorer.measure.sampling import Range, Ranges, in_radians, read_ranges
 from explorer.motion.plan import plan
 from explorer.motion.scan import Observable, Scan, scan
 from explorer.motion.turning_points import smallest_tilt
-from explorer.phase.coordinates import ANGULAR
+from explorer.phase.coordinates import ANGULAR, angle_unit
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import Falls, falls
 from explorer.phase.states import Array, States
+
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 _MOST_POINTS = 4000  # a side; 16 million states, of which every array takes 128 MB
 SLICE_ACCURACY = 1e-3  # relative, of theta_min: a picture shows no more
@@ -89,7 +92,8 @@ class SliceMap(Scan):
     method : str
         How theta_min was computed: "quadrature" or the name of an integrator.
     degrees : bool
-        Whether x and y, if they are angles or rates, are in degrees; tables and `slice` are always in rad.
+        Whether angles and rates of the plane are in degrees, in x, y and tables; `slice` and observables are in
+        rad. The metadata of `to_arrow` say the unit of each column.
 
     Examples
     --------
@@ -113,9 +117,19 @@ class SliceMap(Scan):
 
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
-        """The coordinates of the grid, then the observables."""
-        grid = self.slice.grid(self.x.size)[2]
-        return {name: column.reshape(self.shape) for name, column in grid.items()} | self.values
+        """The coordinates of the grid, in the units of the axes, then the observables."""
+        grid = self.slice.grid(self.x.size)[2].items()
+        shown = {n: column.reshape(self.shape) / angle_unit(n, self.degrees) for n, column in grid}
+        return shown | self.values
+
+    def to_arrow(self) -> pa.Table:
+        """The table of `to_pandas`, in Arrow; the metadata of each field states its meaning, unit and equation."""
+        table, turned = super().to_arrow(), ({*self.slice.ranges} & {*ANGULAR}) - {*self.values}
+        for place, field in enumerate(table.schema if self.degrees else ()):
+            if field.name in turned:
+                unit = {b"unit": field.metadata[b"unit"].replace(b"rad", b"degrees")}
+                table = table.set_column(place, field.with_metadata(field.metadata | unit), table[place])
+        return table
 
     @property
     def side(self) -> NDArray[np.int8]:
@@ -150,7 +164,8 @@ def slice_map(
     method : str
         For theta_min alone: 'auto' finds the tilt as a root of V = E, eq. (3.8); or the name of an integrator.
     degrees : bool
-        Whether angles and rates of the slice, and the axes of the map and of its pictures, are in degrees.
+        Whether angles and rates of the slice, of the axes of the map, and of its pictures and tables are in
+        degrees.
 
     Returns
     -------
@@ -192,10 +207,7 @@ def slice_map(
     found = scan(states, theta_min if alone else observable, jobs).values
     # One column, as `bounces` returns it, is one entry for each state.
     values = {name: each[..., 0] if each.shape[2:] == (1,) else each for name, each in found.items()}
-    x, y = (
-        np.degrees(ends) if degrees and name in ANGULAR else ends
-        for name, ends in zip(where.axes, (x, y), strict=True)
-    )
+    x, y = (ends / angle_unit(name, degrees) for name, ends in zip(where.axes, (x, y), strict=True))
     return SliceMap(states, values, where, x, y, falls(states), how.method, degrees)
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.phase.disk import Disk
-from explorer.phase.energy import energy_at
+from explorer.phase.energy import energy_at, eta_to_eta_hat
 from explorer.phase.linear_constants import line_chart
 from explorer.phase.states import Array
 
@@ -39,9 +39,8 @@ def widest_eta(energy: Array, delta: float, disk: Disk) -> Array:
     # rho(S) and rho'(S) are the chart's columns of sigma3_bar times r(0) and k r(0); rho >= S
     recessive, slope = max(b.r0 * chart.bar_to_sigma3[0], S), b.k * b.r0 * chart.bar_to_sigma4[0]
     most = np.sqrt(2.0 * np.maximum(energy, 0.0))
-    return disk.eta_to_eta_hat(
-        most * (math.sqrt(b.I1) * math.sin(delta) * slope + b.I3 / math.sqrt(b.J) * recessive)
-    )
+    eta = most * (math.sqrt(b.I1) * math.sin(delta) * slope + b.I3 / math.sqrt(b.J) * recessive)
+    return eta_to_eta_hat(b, eta)
 
 
 def counts_on(face: int, eta: Array, other: Array) -> NDArray[np.bool_]:

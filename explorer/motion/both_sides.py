@@ -141,7 +141,7 @@ def both_sides(state: States, eta_hat: float | None = None, t_end: float | None 
     limit = limits[1]
     at_point: dict[str, ArrayLike] = {"phi": state.phi, "phidot": state.phidot, "face": limit.face}
     at_point["sigma3_bar"] = constants(state).sigma3_bar
-    beside = coordinates_to_states(disk, **at_point, eta_hat=[size, -size])
+    beside = coordinates_to_states(disk, degrees=False, **at_point, eta_hat=[size, -size])
     end = limit.impacts(3.0 * limit.period)[1] + 0.6 * limit.period if t_end is None else positive("t_end", t_end)
     motion = simulate(beside, float(end), observables=QUANTITIES)
     require_ok(motion, f"eta_hat = {size:g}")

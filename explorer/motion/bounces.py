@@ -18,6 +18,7 @@ from explorer.motion.periods import arcs_of, of_motions
 from explorer.motion.plan import Plan, plan
 from explorer.motion.starts import ArcStarts, face_of
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.energy import eta_to_eta_hat
 from explorer.phase.falling_set import impact_speed
 from explorer.phase.linear_constants import line_chart
 from explorer.phase.results import Result
@@ -171,16 +172,19 @@ def motion_constants(found: Bounces) -> dict[str, NDArray[Any]]:
     ok = (found.status == compiled.status.Status.OK) & (found.face != 0)
 
     eta = np.where(found.face > 0, found._of_each_state(motion.eta_plus), found._of_each_state(motion.eta_minus))
+    eta_hat = eta_to_eta_hat(disk.body, eta)
     speed = impact_speed(disk, motion.sigma3_bar, motion.energy)
     columns = {
         "sigma3_bar": found._of_each_state(motion.sigma3_bar) * disk.rate_unit,
-        "eta_hat": disk.eta_to_eta_hat(eta) * disk.rate_unit,
+        "eta_hat": eta_hat * disk.rate_unit,
         "energy": found._of_each_state(motion.energy) * disk.energy_unit,
         "impact_speed": found._of_each_state(speed) * disk.rate_unit,
     }
     tilt = np.where(np.isfinite(found.theta_min), found.theta_min, 1.0).ravel()
     chart = line_chart(disk, np.sin(tilt), np.cos(tilt))
-    sigma3 = chart.rates(found._of_each_state(motion.sigma3_bar).ravel(), disk.eta_to_eta_hat(eta).ravel())[0]
+    sigma3 = chart.rates(
+        found._of_each_state(motion.sigma3_bar).ravel(), columns["eta_hat"].ravel() / disk.rate_unit
+    )[0]
     against = np.sign(sigma3).reshape(found.shape) != found.side
     return {name: np.where(ok, values, np.nan) for name, values in columns.items()} | {"wrong_way": ok & against}
 

@@ -16,7 +16,7 @@ from explorer.motion.orbits import closest_to_crest
 from explorer.motion.plan import PATH, Plan
 from explorer.motion.starts import arc_starts
 from explorer.phase.disk import Disk
-from explorer.phase.energy import energy_at
+from explorer.phase.energy import energy_at, eta_to_eta_hat
 from explorer.phase.linear_constants import Motion
 from explorer.phase.states import Array, Rows
 
@@ -143,6 +143,6 @@ def centre_speed(disk: Disk, energy: Array) -> Array:
 
 def speed_at_vertical(disk: Disk, start: Motion) -> Array:
     """How fast motions pass the vertical or, where they turn before, would at as much more energy as they lack."""
-    sigma4_bar = 0.5 * disk.eta_to_eta_hat(start.eta_minus - start.eta_plus)
+    sigma4_bar = 0.5 * eta_to_eta_hat(disk.body, start.eta_minus - start.eta_plus)
     there = energy_at(disk.body, 0.0, start.sigma3_bar, sigma4_bar, 1.0)
     return np.asarray(np.sqrt(2.0 * disk.body.inv_M * abs(start.energy - there)))

@@ -21,6 +21,7 @@ from explorer.motion.starts import ArcStarts, arc_starts
 from explorer.phase import falling_set
 from explorer.phase.arguments import column
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.energy import eta_to_eta_hat
 from explorer.phase.falling_set import falls
 from explorer.phase.linear_constants import line_chart, motion_given
 from explorer.phase.results import Table
@@ -238,7 +239,7 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
         )
     z, p, bar = (float(row[0]) for row in (states.rows.z, states.rows.p, motion.sigma3_bar))
     nearer = int(where.face[0])
-    eta_hat = disk.eta_to_eta_hat(float(motion.eta(np.array([nearer > 0]))[0]))
+    eta_hat = eta_to_eta_hat(disk.body, float(motion.eta(np.array([nearer > 0]))[0]))
     if abs(eta_hat) > _MEANT * max(1.0, abs(bar)):
         raise InputError(
             f"state_on_f: is not on F, but at eta_hat = {eta_hat * disk.rate_unit:.3g}; for the one "

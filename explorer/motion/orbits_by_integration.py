@@ -11,6 +11,7 @@ from explorer.motion.passages_by_integration import followed_to_flattest
 from explorer.motion.plan import Plan
 from explorer.motion.turning_points import turning_points_around
 from explorer.phase.coordinates import constants_to_states
+from explorer.phase.energy import eta_to_eta_hat
 from explorer.phase.linear_constants import rows_of
 from explorer.phase.states import Array, States
 
@@ -72,7 +73,7 @@ def _from_vertical(
 ) -> tuple[Array, ...]:
     """Time, chi, psi as the face has it, and the error, of some motions from the vertical to a turning point."""
     disk, motion, unit = states.disk, rows_of(states.motion, rows), states.disk.rate_unit
-    eta_hat, own = disk.eta_to_eta_hat(motion.eta(face[rows] > 0.0)), face[rows]
+    eta_hat, own = eta_to_eta_hat(disk.body, motion.eta(face[rows] > 0.0)), face[rows]
     with np.errstate(invalid="ignore"):  # no speed where there is no vertical: bad input, and no answer
         speed = np.sqrt(2.0 * disk.body.inv_M * ends.vertical.K[rows])
     # Of the other eta more digits are known than this one tells.

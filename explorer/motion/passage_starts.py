@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.motion.fall_integrals import departures_of_moving
 from explorer.phase.disk import LARGEST_RATE, Disk, require_axial_inertia
+from explorer.phase.energy import eta_hat_to_eta
 from explorer.phase.states import Array
 
 SMALLEST = 1e-302  # of eta_hat, natural units: below, eta = I3 r(0) eta_hat loses digits
@@ -29,7 +30,7 @@ class VerticalStarts(NamedTuple):
     def natural(self, disk: Disk) -> "compiled.passages.Crossings":
         """The starts as the kernels take them, in natural units."""
         unit = disk.rate_unit
-        eta = disk.eta_hat_to_eta(self.eta_hat / unit)
+        eta = eta_hat_to_eta(disk.body, self.eta_hat / unit)
         return compiled.passages.Crossings(self.sigma3_bar / unit, eta, self.speed / unit)
 
 

@@ -16,6 +16,7 @@ from explorer.errors import InputError, number
 from explorer.motion.periods import periods
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.energy import energy_at_flat, eta_hat_to_eta
 from explorer.phase.results import Result
 from explorer.phase.states import Array, theta_to_states
 
@@ -107,7 +108,7 @@ def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HA
     require_axial_inertia(disk)
     b, unit = disk.body, disk.rate_unit
     (ratio,), shape = read_columns(excess=EXCESS if excess is None else excess)
-    eta = disk.eta_hat_to_eta(number("eta_hat", eta_hat) / unit)
+    eta = eta_hat_to_eta(disk.body, number("eta_hat", eta_hat) / unit)
     if ratio.size == 0 or not (np.isfinite(ratio).all() and (ratio > 1.0).all()):
         raise InputError(f"excess = {excess!r}: give finite numbers above 1; the bottom of the well is at 1")
     theta_0 = math.exp((2.0 * math.log(abs(eta)) - math.log(b.I1)) / 3.0) if abs(eta) > 0.0 else math.nan
@@ -122,5 +123,5 @@ def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HA
     # The eta of these states is meant: its rounding shifts the turn by no more than terms of order theta_0.
     motion = states.motion._replace(rounding_plus=0.0 * ratio, rounding_minus=0.0 * ratio)
     found = periods(replace(states, given=motion), _ACCURACY)
-    above = (found.energy / disk.energy_unit - disk.energy_at_flat(motion.sigma3_bar)) / (1.5 * theta_0)
+    above = (found.energy / disk.energy_unit - energy_at_flat(disk.body, motion.sigma3_bar)) / (1.5 * theta_0)
     return Rocking(disk, above, found.chi, found.theta_min, found.period, found.status, theta_0).reshaped(shape)

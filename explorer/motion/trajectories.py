@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -19,6 +18,7 @@ from explorer.errors import (
     one_of,
     positive,
     said,
+    warn,
     whole,
     words,
 )
@@ -369,10 +369,9 @@ def _warn_of_races(turned: Array) -> None:
     """Warn where a curve would miss turns of the contact point. turned: the most between two times of each."""
     missed = int(np.sum(turned > _COARSE))
     if missed:
-        warnings.warn(
+        warn(
             f"t_eval: in {missed:,} of {turned.size:,} motion(s) chi turns by more than pi/2 between two times, "
             f"by up to {np.nanmax(turned):.3g} rad, and a curve through them would miss races; leave t_eval out "
             "for times as dense as the motion needs, and call the result with your own",
             CoarseTimesWarning,
-            stacklevel=4,
         )

@@ -137,7 +137,7 @@ def paper(out: Path | str, *, only: str | None = None, jobs: int = 2, quiet: boo
 
     Raises InputError for an unknown statement or a folder that cannot be written.
     """
-    jobs, folder = jobs_of("jobs", jobs), Path(out) if only is not None else path_of("out", out)
+    jobs, folder = jobs_of("jobs", jobs), path_of("out", out)
     if folder.exists() and not folder.is_dir():
         raise InputError(f"out {folder}: is a file; give a folder")
     note("checking the statements", quiet)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from explorer.phase.energy import eta_to_eta_hat
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
 
@@ -85,7 +86,7 @@ def constants(states: States) -> Constants:
     (array([0.0286]), array([2.1175]))
     """
     disk, unit, motion = require_states(states).disk, states.disk.rate_unit, states.motion
-    plus, minus = disk.eta_to_eta_hat(motion.eta_plus), disk.eta_to_eta_hat(motion.eta_minus)
+    plus, minus = eta_to_eta_hat(disk.body, motion.eta_plus), eta_to_eta_hat(disk.body, motion.eta_minus)
     found = Constants(
         sigma3_bar=motion.sigma3_bar * unit,
         sigma4_bar=0.5 * (minus - plus) * unit,

@@ -7,7 +7,7 @@ and spin, with constants of motion in place of sigma3 and sigma4, or with the en
 from __future__ import annotations
 
 import math
-import warnings
+import re
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from typing import NamedTuple, TypeVar
@@ -15,7 +15,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from explorer.errors import InputError, flag, one_of
+from explorer.errors import InputError, flag, one_of, warn
 from explorer.phase.arguments import column, read_columns
 from explorer.phase.columns import ANGLE, COLUMNS, RATE
 from explorer.phase.disk import Disk, require_axial_inertia, require_disk
@@ -106,25 +106,26 @@ def from_rates(
     return replace(theta_to_states(disk, angle, rate, sigma3, own, down), shape=shape)
 
 
-def warn_of_degrees(angle: Array, stacklevel: int = 4) -> None:
+def warn_of_degrees(angle: Array) -> None:
     """Warn where tilts (rad) are probably degrees that were read as radians."""
     known = angle[np.isfinite(angle)]
     if known.size and (known > 0.5 * np.pi).all():
-        warnings.warn(
+        warn(
             "tilt: all tilts lie beyond upright (pi/2 rad); where they are degrees, give degrees=True, or "
             "--degrees on the command line",
             StateWarning,
-            stacklevel=stacklevel,
         )
 
 
-def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
+def coordinates_to_states(disk: Disk, *, degrees: bool = False, **coordinates: ArrayLike) -> States:
     """States from any complete set of coordinates and constants of motion.
 
     Parameters
     ----------
     disk : Disk
         The disk.
+    degrees : bool
+        Whether angles and rates are in degrees instead of rad.
     **coordinates
         Three to five arrays, which broadcast: a tilt, two spins and, if you like, a face. All rates are in the
         units of the disk.
@@ -169,7 +170,7 @@ def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
     if not {"theta", "tilt"} & coordinates.keys():
         coordinates.setdefault("phi", 0.0)
     chart, values = chart_of("coordinates", coordinates, 0.0)
-    return chart.states(disk, values)
+    return chart.states(disk, values, flag("degrees", degrees))
 
 
 def constants_to_states(
@@ -274,10 +275,16 @@ class Chart(NamedTuple):
         """The coordinates of this chart among `names`."""
         return tuple(name for name in self.names if name in names)
 
-    def states(self, disk: Disk, columns: Mapping[str, ArrayLike], degrees: bool = False) -> States:
-        """The states of a table. degrees: whether angles and rates are in degrees; energies never are."""
+    def states(
+        self, disk: Disk, columns: Mapping[str, ArrayLike], degrees: bool = False, quiet: bool = False
+    ) -> States:
+        """The states of a table.
+
+        degrees: whether angles and rates are in degrees; energies never are. quiet: gives no warning of tilts that
+        look like degrees.
+        """
         used = {name: column(name, columns[name]) * angle_unit(name, degrees) for name in self.present(columns)}
-        if "tilt" in used and not degrees:
+        if "tilt" in used and not degrees and not quiet:
             warn_of_degrees(used["tilt"])
         return self.make(disk, **used)
 
@@ -308,20 +315,25 @@ def recognise(names: Collection[str], what: str = "states") -> Chart:
 
     what: how the message calls the table. Raises InputError, with the charts, where no chart is complete.
     """
+    alike = {_spelt(name): name for name in KNOWN if name not in names}
+    meant = {name: alike[_spelt(name)] for name in names if _spelt(name) in alike}
     for chart in CHARTS:
         if set(chart.needed) <= set(names):
-            _refuse_misspelt(chart, names, what)
+            for name, known in meant.items():
+                if known in chart.optional:  # it would be ignored
+                    raise InputError(f"{what}: column {name!r} looks like {known!r}, which is missing; rename it")
             return chart
     there = [name for name in names if name in KNOWN]
+    hint = f"; did you mean {', '.join(meant.values())} by {', '.join(meant)}?" if meant else ""
     if there:
         nearest = max(CHARTS, key=lambda chart: len(set(chart.needed) & set(there)) / len(chart.needed))
         missing = [name for name in nearest.needed if name not in there]
         raise InputError(
-            f"{what}: {', '.join(there)}: these alone do not determine a state; add {' and '.join(missing)}"
+            f"{what}: {', '.join(there)}: these alone do not determine a state; add {' and '.join(missing)}{hint}"
         )
     shown = f"{', '.join(list(names)[:6])}: they do not determine a state" if names else "none were given"
     sets = "; ".join(", ".join(chart.needed) for chart in CHARTS[:5])
-    raise InputError(f"{what}: {shown}; give one of these sets: {sets}")
+    raise InputError(f"{what}: {shown}; give one of these sets: {sets}{hint}")
 
 
 def chart_of(what: str, given: Mapping[str, T], zero: T) -> tuple[Chart, dict[str, T]]:
@@ -339,13 +351,6 @@ def chart_of(what: str, given: Mapping[str, T], zero: T) -> tuple[Chart, dict[st
     return chart, {name: values[name] for name in chart.present(values)}
 
 
-def _refuse_misspelt(chart: Chart, names: Collection[str], what: str) -> None:
-    """Raise InputError where a column looks like an optional one that is not there, and would be ignored."""
-    for name in chart.optional:
-        for other in names:
-            if name not in names and other not in COLUMNS and _spelt(other) == _spelt(name):
-                raise InputError(f"{what}: column {other!r} looks like {name!r}, which is not there; rename it")
-
-
 def _spelt(name: str) -> str:
-    return "".join(letter for letter in name.lower() if letter.isalnum())
+    """The letters of a name without its unit: "tiltrate" of "Tilt_Rate", "tilt rate (deg/s)" and "tilt_rate/s"."""
+    return "".join(letter for letter in re.split(r"[(\[/]", name.lower())[0] if letter.isalnum())

@@ -5,22 +5,19 @@ from __future__ import annotations
 import math
 import re
 import sys
-import warnings
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from explorer import compiled
-from explorer.errors import InputError, double_of, nearest, number, one_of, positive, said, shown, word
+from explorer.errors import InputError, double_of, nearest, number, one_of, positive, said, shown, warn, word
 from explorer.paths import read_toml
 from explorer.phase.arguments import Array as Array
-from explorer.phase.energy import energy_at
-
-Number = TypeVar("Number", float, Array)
+from explorer.phase.energy import Number, energy_at_flat, eta_hat_to_eta, eta_to_eta_hat
 
 PRESETS = ("uniform", "hoop", "matching")
 _SCALES = ("m", "r", "g")
@@ -53,11 +50,11 @@ class Disk:
 
     Parameters
     ----------
-    m : float
-        Mass (kg).
-    r : float
+    m : float, optional
+        Mass (kg); 1 if left out, as r and g are.
+    r : float, optional
         Radius of the rim (m).
-    g : float
+    g : float, optional
         Gravity (m/s^2).
     I1, I3 : float, optional
         Transverse and axial moment of inertia (kg m^2), 0 <= I3 <= 2 I1 by eq. (2.3). I1 is by default that of a
@@ -73,7 +70,8 @@ class Disk:
     Warns
     -----
     UserWarning
-        If m or r is given and I3 exceeds 2 m r^2. Then either mass lies far beyond the rim, or the moments
+        If m or r is given without g, which is then 1: with kilograms and metres, seconds would need g=9.81. Also
+        if m or r is given and I3 exceeds 2 m r^2. Then either mass lies far beyond the rim, or the moments
         were meant in units of m r^2; `from_ratios` takes these.
 
     Examples
@@ -94,16 +92,16 @@ class Disk:
     def __init__(
         self,
         *,
-        m: float = 1.0,
-        r: float = 1.0,
-        g: float = 1.0,
+        m: float | None = None,
+        r: float | None = None,
+        g: float | None = None,
         I1: float | None = None,
         I3: float | str | None = None,
         name: str = "custom",
     ) -> None:
         mass, radius, gravity = _units(m, r, g)
-        transverse = 0.25 * mass * radius * radius if I1 is None else positive("disk: I1", I1)
-        axial = 2.0 * transverse if _is_flat(I3) else number("disk: I3", I3, 0.0)
+        transverse = 0.25 * mass * radius * radius if I1 is None else positive("disk: I1", _bare("I1", I1))
+        axial = 2.0 * transverse if _is_flat(I3) else number("disk: I3", _bare("I3", I3), 0.0)
         read = {"m": mass, "r": radius, "g": gravity, "I1": transverse, "I3": axial}
         for key, value in {**read, "name": word("disk: name", name)}.items():
             object.__setattr__(self, key, value)
@@ -116,10 +114,9 @@ class Disk:
             raise InputError("disk: m, r, g, I1 lie too far apart for floating point; rescale the units")
         ratio = self.I3 / self._inertia_unit
         if ratio > 2.0 and (self.m, self.r) != (1.0, 1.0):
-            warnings.warn(
+            warn(
                 f"disk: I3 = {self.I3:g} is {ratio:.3g} m r^2, and a hoop has 1: mass lies beyond the rim; "
-                "for moments in units of m r^2 use Disk.from_ratios",
-                stacklevel=2,
+                "for moments in units of m r^2 use Disk.from_ratios"
             )
 
     @classmethod
@@ -128,9 +125,9 @@ class Disk:
         *,
         I1: float,
         I3: float | str | None = None,
-        m: float = 1.0,
-        r: float = 1.0,
-        g: float = 1.0,
+        m: float | None = None,
+        r: float | None = None,
+        g: float | None = None,
         name: str = "custom",
     ) -> Disk:
         """A body whose moments of inertia are in units of m r^2; I3 is by default that of a flat one, 2 I1.
@@ -147,7 +144,9 @@ class Disk:
         return cls(m=m, r=r, g=g, I1=positive("disk: I1", I1) * unit, I3=axial, name=name)
 
     @classmethod
-    def annulus(cls, inner: float | str, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
+    def annulus(
+        cls, inner: float | str, *, m: float | None = None, r: float | None = None, g: float | None = None
+    ) -> Disk:
         """A flat uniform ring; inner is the ratio of its inner radius to its outer one, 0 (disk) to 1 (hoop).
 
         Examples
@@ -162,7 +161,7 @@ class Disk:
         return cls.from_ratios(I1=0.25 * (1.0 + ratio * ratio), m=m, r=r, g=g, name=f"annulus-{ratio:g}")
 
     @classmethod
-    def uniform(cls, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
+    def uniform(cls, *, m: float | None = None, r: float | None = None, g: float | None = None) -> Disk:
         """The uniform disk, eq. (2.5): m r^2 / I1 = 4.
 
         Examples
@@ -174,7 +173,7 @@ class Disk:
         return replace(cls.annulus(0.0, m=m, r=r, g=g), name="uniform")
 
     @classmethod
-    def hoop(cls, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
+    def hoop(cls, *, m: float | None = None, r: float | None = None, g: float | None = None) -> Disk:
         """The hoop, eq. (2.6): m r^2 / I1 = 2.
 
         Examples
@@ -186,7 +185,7 @@ class Disk:
         return replace(cls.annulus(1.0, m=m, r=r, g=g), name="hoop")
 
     @classmethod
-    def matching(cls, *, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
+    def matching(cls, *, m: float | None = None, r: float | None = None, g: float | None = None) -> Disk:
         """The flat body with m r^2 / I1 = 3, for which both one-sided limit motions agree.
 
         Examples
@@ -260,7 +259,7 @@ class Disk:
         return self._inertia_unit * self.rate_unit
 
     def eta_hat_to_eta(self, eta_hat: Number) -> Number:
-        """eta = I3 r(0) eta_hat, eq. (6.2); both in natural units.
+        """eta = I3 r(0) eta_hat, eq. (6.2); both in the units of the disk.
 
         Examples
         --------
@@ -269,10 +268,10 @@ class Disk:
         >>> round(disk.eta_to_eta_hat(disk.eta_hat_to_eta(0.25)), 12)
         0.25
         """
-        return eta_hat * self.body.I3 * self.body.r0
+        return eta_hat_to_eta(self.body, eta_hat) * self._inertia_unit
 
     def eta_to_eta_hat(self, eta: Number) -> Number:
-        """eta_hat = eta / (I3 r(0)), eq. (6.2); both in natural units. NaN if I3 = 0.
+        """eta_hat = eta / (I3 r(0)), eq. (6.2); both in the units of the disk. NaN if I3 = 0.
 
         Examples
         --------
@@ -280,20 +279,20 @@ class Disk:
         >>> round(ex.Disk.uniform().eta_to_eta_hat(1.0), 4)
         1.3614
         """
-        return eta / (self.body.I3 * self.body.r0 if self.body.I3 > 0.0 else math.nan)
+        return eta_to_eta_hat(self.body, eta / self._inertia_unit)
 
     def energy_at_flat(self, sigma3_bar: Number) -> Number:
-        """V_0, the amended potential at flat on a line l_+-, eq. (6.9); natural units. Needs I3 > 0.
+        """V_0, the amended potential at flat on a line l_+-, eq. (6.9); units of the disk. Needs I3 > 0.
 
         Examples
         --------
         >>> import explorer as ex
         >>> round(ex.Disk.uniform().energy_at_flat(1.0), 4)
         0.0869
+        >>> print(f"{ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81).energy_at_flat(30.0):.2e} J")
+        6.49e-05 J
         """
-        spin = sigma3_bar / (self.body.k * self.body.r0)  # the limit of sigma4 there, eq. (6.15)
-        flat: Number = energy_at(self.body, 0.0, 0.0, spin, 0.0)
-        return flat
+        return energy_at_flat(self.body, sigma3_bar / self.rate_unit) * self.energy_unit
 
     @property
     def kappa(self) -> float:
@@ -364,9 +363,22 @@ def _is_flat(I3: Any) -> bool:
 
 
 def _units(m: Any, r: Any, g: Any) -> tuple[float, float, float]:
-    """Mass, radius and gravity, read. Raises InputError."""
-    mass, radius, gravity = (positive(f"disk: {key}", value) for key, value in {"m": m, "r": r, "g": g}.items())
+    """Mass, radius and gravity, read; 1 where they are left out. Raises InputError."""
+    given = {"m": m, "r": r, "g": g}
+    mass, radius, gravity = (
+        1.0 if value is None else positive(f"disk: {key}", _bare(key, value)) for key, value in given.items()
+    )
+    if g is None and not (m is None and r is None):
+        warn("disk: m or r is given without g, which is then 1; give g=9.81 for kilograms, metres and seconds")
     return mass, radius, gravity
+
+
+def _bare(key: str, value: Any) -> Any:
+    """A quantity as it is. Raises InputError for one with a unit, which only `Disk.parse` reads."""
+    if isinstance(value, str) and value[:1].isdigit() and double_of(value) is None:
+        remedy = 'give one, or a text with units to Disk.parse, such as "uniform:m=20g,r=5cm"'
+        raise InputError(f"{said(f'disk: {key}', value)} is not a number; {remedy}")
+    return value
 
 
 def _can_be_scaled(disk: Disk) -> bool:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.energy import energy_at_flat
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
 
@@ -76,7 +77,7 @@ class Falls(Result):
 def impact_speed(disk: Disk, sigma3_bar: Array, energy: Array) -> Array:
     """A = sqrt(2 (E - V_0) / M), eq. (7.1); natural units in and out; NaN where E < V_0."""
     with np.errstate(invalid="ignore"):
-        return np.sqrt(2.0 * (energy - disk.energy_at_flat(sigma3_bar)) / disk.body.M)
+        return np.sqrt(2.0 * (energy - energy_at_flat(disk.body, sigma3_bar)) / disk.body.M)
 
 
 class Well(NamedTuple):

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.phase.disk import Array, Disk, require_axial_inertia
+from explorer.phase.energy import eta_hat_to_eta, eta_to_eta_hat
 
 Record = TypeVar("Record", bound=tuple[Any, ...])
 
@@ -61,7 +62,7 @@ def motion_given(disk: Disk, sigma3_bar: Array, eta_hat: Array, plus: NDArray[np
 
     eta_hat: on face +1 where `plus`, on face -1 elsewhere.
     """
-    here = disk.eta_hat_to_eta(eta_hat)
+    here = eta_hat_to_eta(disk.body, eta_hat)
     there = 2.0 * disk.body.I1 * disk.body.dr0 * sigma3_bar - here
     none = np.zeros(sigma3_bar.size)
     etas = np.where(plus, here, there), np.where(plus, there, here)
@@ -78,7 +79,7 @@ def line_chart(disk: Disk, q: Array, z: Array) -> "compiled.falling.LineChart[Ar
 def line_slope(disk: Disk) -> float:
     """sigma4_bar / sigma3_bar on l_+, eq. (6.1); minus that on l_-. Needs I3 > 0."""
     require_axial_inertia(disk)
-    return disk.eta_to_eta_hat(disk.body.I1 * disk.body.dr0)
+    return eta_to_eta_hat(disk.body, disk.body.I1 * disk.body.dr0)
 
 
 def other_eta_hat(disk: Disk, sigma3_bar: Any, eta_hat: Any) -> Any:

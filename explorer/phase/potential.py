@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from explorer.errors import InputError, number, shown, sign
 from explorer.phase.arguments import column, read_range
 from explorer.phase.disk import LARGEST_RATE, Disk, require_axial_inertia
-from explorer.phase.energy import energy_at
+from explorer.phase.energy import energy_at, energy_at_flat, eta_hat_to_eta
 from explorer.phase.linear_constants import line_chart, line_slope, nearer_plus, other_eta_hat
 from explorer.phase.roots import changes_of_sign, roots_among
 from explorer.phase.states import Array
@@ -206,15 +206,19 @@ class Potential:
         return self.terms(1.0 / np.cosh(places), np.tanh(places))
 
     def at_flat(self, face: int) -> float:
-        """V at a flat state in natural units: V_0 on its line, eq. (6.9); infinite off it."""
+        """V at a flat state: V_0 on its line, eq. (6.9); infinite off it."""
+        return self._at_flat(face) * self.disk.energy_unit
+
+    def _at_flat(self, face: int) -> float:
+        """V at a flat state, natural units."""
         if self.hats()[sign("face", face)] != 0.0:
             return math.inf
-        return self.disk.energy_at_flat(self.bar)
+        return energy_at_flat(self.disk.body, self.bar)
 
     def outermost(self, face: int) -> float:
         """|y| beyond which V' keeps its sign towards flat; sin phi = tanh y."""
         b, hat = self.disk.body, abs(self.hats()[sign("face", face)])
-        eta, spin = self.disk.eta_hat_to_eta(hat), abs(self.bar) / (b.k * b.r0) + b.r0 * hat
+        eta, spin = eta_hat_to_eta(self.disk.body, hat), abs(self.bar) / (b.k * b.r0) + b.r0 * hat
         if hat == 0.0:
             tilt = _FLAT / (1.0 + abs(self.bar) + abs(self.hat)) ** 2
         else:  # V' is eta^2/(I1 tilt^3), and besides up to J eta spin/tilt and 1; spin: sigma4 there
@@ -255,7 +259,7 @@ class Potential:
         inner = [at.y for at in self.equilibria]
         y = np.array([-self.outermost(-1), *inner, self.outermost(1)])
         V = self.at_y(y).V
-        V[[0, -1]] = self.at_flat(-1), self.at_flat(1)
+        V[[0, -1]] = self._at_flat(-1), self._at_flat(1)
         return y, V
 
     @property
@@ -313,7 +317,7 @@ class Potential:
         excess = E - self.at_y(y).V
         for at, end, edge in zip((0, -1), component.ends, (component.low, component.high), strict=True):
             phi[at] = edge
-            excess[at] = E - self.at_flat(1 if at else -1) if end == FLAT else 0.0
+            excess[at] = E - self._at_flat(1 if at else -1) if end == FLAT else 0.0
         return phi, np.sqrt(np.maximum(2.0 * excess / self.disk.body.M, 0.0)) * self.disk.rate_unit
 
     def levels(self, energies: tuple[float, float] | None = None, count: int = 9) -> Array:
@@ -345,8 +349,8 @@ class Potential:
         every = np.union1d(y, self._stops[0][1:-1])
         V = self.at_y(every).V
         # The highest V on the way to the left, and to the right.
-        left = np.maximum(np.maximum.accumulate(V), self.at_flat(-1))
-        right = np.maximum(np.maximum.accumulate(V[::-1])[::-1], self.at_flat(1))
+        left = np.maximum(np.maximum.accumulate(V), self._at_flat(-1))
+        right = np.maximum(np.maximum.accumulate(V[::-1])[::-1], self._at_flat(1))
         edge = np.sqrt(2.0 / self.disk.body.M * (np.minimum(left, right) - V)) * self.disk.rate_unit
         return np.asarray(edge[np.searchsorted(every, y)])
 

@@ -117,7 +117,7 @@ def steady_motions(
     (angle, rate, down), shape = read_columns(tilt=tilt, precession=precession, face=face)
     angle, rate = (column * angle_unit("tilt", flag("degrees", degrees)) for column in (angle, rate))
     if not degrees:
-        warn_of_degrees(angle, 3)
+        warn_of_degrees(angle)
     b, unit, code = disk.body, disk.rate_unit, compiled.status.Status
     with np.errstate(all="ignore"):
         phi, turn = down * (0.5 * np.pi - angle), rate / unit
@@ -141,7 +141,7 @@ def steady_motions(
     return found.reshaped(shape)
 
 
-def circular_rolling(disk: Disk, lean: float, radius: float) -> SteadyMotions:
+def circular_rolling(disk: Disk, lean: float, radius: float, degrees: bool = False) -> SteadyMotions:
     """The motion in which a disk rolls round a circle, leaning inwards.
 
     Parameters
@@ -152,6 +152,8 @@ def circular_rolling(disk: Disk, lean: float, radius: float) -> SteadyMotions:
         By how much the disk's plane leans from the vertical towards the centre of the circle (rad), 0 to pi/2.
     radius : float
         Radius of the circle of the contact point, in the unit of length.
+    degrees : bool
+        Whether `lean` is in degrees.
 
     Returns
     -------
@@ -173,14 +175,17 @@ def circular_rolling(disk: Disk, lean: float, radius: float) -> SteadyMotions:
 
     >>> import math, explorer as ex
     >>> coin = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
-    >>> motion = ex.circular_rolling(coin, lean=math.radians(20.0), radius=0.07)
+    >>> motion = ex.circular_rolling(coin, lean=20.0, radius=0.07, degrees=True)
     >>> print(f"{2.0 * math.pi / motion.precession[0]:.3f} s, spin {motion.spin[0]:.1f} rad/s")
     1.051 s, spin 32.6 rad/s
     """
     require_axial_inertia(disk)
     inward, circle = number("lean", lean), number("radius", radius, 0.0)
+    inward *= angle_unit("tilt", flag("degrees", degrees))
     if not 0.0 < inward < 0.5 * math.pi:
-        raise InputError(f"lean = {inward:g} must lie between 0 and pi/2 (rad)")
+        raise InputError(
+            f"lean = {inward:g} rad must lie between 0 and pi/2; where it is in degrees, give degrees=True"
+        )
     J = disk.I3 + disk.m * disk.r**2
     below = J * circle / disk.r - (J - disk.I1) * math.sin(inward)
     if not below > 0.0:

@@ -216,7 +216,7 @@ def one_in_each_region(disk: Disk, path: str, threshold: float) -> list[tuple[fl
 
 def _changes(potential: Potential) -> list[float]:
     """Energies at which the motions change: where V ends at flat, and of equilibria; increasing."""
-    ends = [potential.at_flat(face) * potential.disk.energy_unit for face in (-1, 1)]
+    ends = [potential.at_flat(face) for face in (-1, 1)]
     found: list[float] = []
     for energy in sorted([end for end in ends if np.isfinite(end)] + [at.energy for at in potential.equilibria]):
         if not found or energy - found[-1] > _SAME * potential.disk.energy_unit:
@@ -239,7 +239,7 @@ def _fate(pieces: tuple[Component, ...]) -> str:
 def least_energies(disk: Disk, path: str, parameter: Array, branches: Sequence[Branch]) -> Array:
     """The least energy of all motions along the path."""
     if path == "line":
-        return np.asarray(disk.energy_at_flat(parameter / disk.rate_unit)) * disk.energy_unit
+        return np.asarray(disk.energy_at_flat(parameter))
     floor = _along(parameter, branches, CENTRE, np.fmin)
     for row in np.flatnonzero(np.isnan(floor)):  # at the threshold, where the one steady motion is of no branch
         floor[row] = PATHS[path].potential(disk, float(parameter[row])).bottom

@@ -311,7 +311,7 @@ def potentials(ax: Axes, several: Sequence[Potential], near_flat: bool = False) 
 
 def _end_at_flat(ax: Axes, potential: Potential, near_flat: bool) -> None:
     """Where V ends on the line: V_0."""
-    at_flat = potential.at_flat(potential.face) * potential.disk.energy_unit
+    at_flat = potential.at_flat(potential.face)
     if near_flat:
         ax.axhline(at_flat, color=DARK, lw=1.4, ls=":", label=r"$V_0$, at flat")
     else:

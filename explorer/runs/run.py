@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Columns = Sequence[str] | None
+_FIRST_LINE = 5.0  # seconds until a log file says how far a run is
+_LINE = "{desc}: {percentage:.0f} %, {n_fmt} of {total_fmt} samples, {rate_fmt}, {remaining} left{postfix}"
 
 
 @dataclass(frozen=True)
@@ -239,7 +241,8 @@ class Run:
         """
         chunks = self.complete()
         known = chunks[0].columns()
-        names = [one_of("column", name, known) for name in words("columns", columns)] if columns else known
+        asked = () if columns is None else words("columns", columns)
+        names = [one_of("column", name, known) for name in asked] or known
         return (chunk.table(names) for chunk in chunks)
 
     def arrow(self, columns: Columns = None) -> "pa.Table":
@@ -459,20 +462,31 @@ def _draw_missing(run: Run, formats: Sequence[str], stop: threading.Event, onwar
             figure.set_layout_engine(None)
 
 
+class _Lines:
+    """A log file, as tqdm writes to it: nothing can be drawn over, so each bar is a line of its own."""
+
+    def write(self, text: str) -> None:
+        note(text.strip(), quiet=not text.strip())
+
+
 def _computed(
     scene: Scene, settings: Settings, missing: list[int], stop: threading.Event
 ) -> Iterator[store.Chunk]:
     """Compute the chunks that are missing, and show how far it is. Raises Interrupted."""
     due, count, counts = samples_of(scene), len(missing), ByName[int]()
     there = due - sum(map(scene.length, missing))
-    often = 0.1 if sys.stderr.isatty() else 5.0  # seconds between two lines
-    how: dict[str, Any] = {"desc": scene.name, "unit": " samples", "unit_scale": True, "mininterval": often}
-    with tqdm(total=due, initial=there, delay=2.0, disable=not settings.progress, **how) as bar:
+    how: dict[str, Any] = {"desc": scene.name, "unit": " samples", "unit_scale": True, "delay": 2.0}
+    redrawn, begun = sys.stderr.isatty() or "ipykernel" in sys.modules, time.monotonic()
+    if not redrawn:
+        how |= {"file": _Lines(), "bar_format": _LINE, "leave": False, "miniters": 0, "mininterval": _FIRST_LINE}
+    with tqdm(total=due, initial=there, disable=not settings.progress, **how) as bar:
         for chunk, status in compute_all(scene, missing, settings, stop) if missing else ():
             count -= 1
             counts = counts + status
             bar.set_postfix({name: n for name, n in counts.items() if name != "ok"}, refresh=False)
             bar.update(sum(status.values()))
+            if not redrawn:  # a long run says less often how far it is: a day takes some forty lines
+                bar.mininterval = max(_FIRST_LINE, 0.25 * (time.monotonic() - begun))
             yield chunk
     if count and stop.is_set():
         done = scene.chunks - count

@@ -78,7 +78,7 @@ class Settings(Making):
     )
     progress: bool = option(
         TRUTH._replace(metavar=None),
-        "False prints nothing; otherwise a bar appears if the run takes over 2 seconds",
+        "False prints nothing; otherwise a bar, or lines in a log file, appear if the run takes over some seconds",
         default=True,
     )
     rng: int | None = option(

@@ -1,11 +1,16 @@
 """States that a user gives: in a file, as a table in memory, or as `States`.
 
-A cell that should be a number and is none becomes NaN, so that its row is bad input and the others are computed.
-A column no cell of which is a number is a mistake, and refused.
+A cell that says that its number is missing becomes NaN, so that its row is bad input and the others are computed.
+A cell with any other text is a mistake, and refused, as is a column without a number.
 """
 
+import codecs
+import gzip
 import hashlib
-from collections.abc import Iterator, Mapping
+import math
+import re
+import zlib
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -16,9 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, double_of, shorten
+from explorer.errors import InputError, double_of, number, shorten
 from explorer.paths import path_of
-from explorer.phase.coordinates import ANGULAR, Chart, recognise
+from explorer.phase.columns import COLUMNS
+from explorer.phase.coordinates import CHARTS, Chart, recognise
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, States
 
@@ -27,7 +33,12 @@ if TYPE_CHECKING:
 
 Columns = dict[str, NDArray[Any]]
 
-_PARQUET = b"PAR1"  # how such a file begins
+_PARQUET, _GZIP = b"PAR1", b"\x1f\x8b"  # how such files begin
+_HEAD = 1 << 16  # characters of a CSV file that show how it is written
+_AGREE = 1e-3  # two sets of coordinates in a table agree to the digits that people keep
+_SPEEDS = {"phidot", "thetadot", "tilt_rate", "energy"}
+# What stands in cells without a number, in small letters.
+_MISSING = ("", "-", "--", "?", "n/a", "#n/a", "na", "<na>", "nan", "-nan", "null", "none")
 _RECORD = {"file", "rows", "sha256", "degrees"}  # what run.json says of given states
 
 
@@ -52,15 +63,16 @@ class Block(NamedTuple):
         One of these whose name the others have is called given_NAME.
         """
         table = self.columns | results
-        return table | {f"given_{name}" if name in table else name: values for name, values in self.own.items()}
+        return table | _apart(self.own, table)
 
 
 @dataclass(frozen=True, eq=False)
 class GivenStates:
     """States that a user gives. A row that is no state gets the status BAD_INPUT, and the others are computed.
 
-    what: how messages call them. sha256: of the file's bytes or of the numbers; it identifies a run. columns: of a
-    table; None for `States`, and for a Parquet file, which is read piece by piece. chart: which columns say where
+    what: how messages call them. sha256: of the bytes in files or of the numbers; it identifies a run. path: of a
+    file, or of a folder of Parquet files. columns: of a table; None for `States`, and for Parquet, which is read
+    piece by piece. groups: of Parquet, the file, number and rows of each row group. chart: which columns say where
     the disk is; None for `States`, and of a stored run, whose file is opened when a row is needed. degrees:
     whether angles, and rates of angles, of the table are in degrees.
     """
@@ -73,6 +85,7 @@ class GivenStates:
     columns: Columns | None = None
     states: States | None = None
     degrees: bool = False
+    groups: tuple[tuple[Path, int, int], ...] = ()
 
     def __post_init__(self) -> None:
         if not self.rows:
@@ -103,19 +116,26 @@ class GivenStates:
 
     @classmethod
     def _of_file(cls, flag: str, path: Path, remedy: str = "give Parquet or CSV") -> "GivenStates":
-        """From a Parquet or a CSV file. Raises InputError where it cannot be read or says no state."""
+        """From CSV or Parquet: a file, or a folder of Parquet. Raises InputError where it says no state."""
         import pyarrow.parquet as pq
 
-        what = f"{flag} {path}"
-        with _reading(what, remedy), path.open("rb") as stream:
-            parquet = stream.read(len(_PARQUET)) == _PARQUET
-            stream.seek(0)
-            sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
-            table = pq.read_schema(path).empty_table() if parquet else _csv(path)
-            rows = pq.read_metadata(path).num_rows if parquet else table.num_rows
+        what, digest, groups = f"{flag} {path}", hashlib.sha256(), list[tuple[Path, int, int]]()
+        files = sorted(path.glob("*.parquet")) if path.is_dir() else [path]
+        with _reading(what, remedy):
+            for file in files or [path]:  # a folder without any cannot be read
+                with file.open("rb") as stream:
+                    parquet = stream.read(len(_PARQUET)) == _PARQUET
+                    stream.seek(0)
+                    hashlib.file_digest(stream, lambda: digest)
+                if parquet:
+                    about = pq.read_metadata(file)
+                    groups += [(file, n, about.row_group(n).num_rows) for n in range(about.num_row_groups)]
+            table = pq.read_schema(file).empty_table() if parquet else _csv(path)
         chart = _chart(table.column_names, what)
         columns = _read(table, chart, what)  # refuses columns of types that are of no use
-        return cls(what, rows, sha256, path, chart, None if parquet else columns)
+        rows = sum(rows for _, _, rows in groups) if parquet else table.num_rows
+        kept = None if parquet else columns
+        return cls(what, rows, digest.hexdigest(), path, chart, kept, groups=tuple(groups))
 
     @cached_property
     def opened(self) -> "GivenStates":
@@ -138,8 +158,11 @@ class GivenStates:
         turned = {"degrees": True} if self.degrees else {}
         return {**file, "rows": self.rows, "sha256": self.sha256, **turned}
 
-    def read(self, disk: Disk, first: int, count: int) -> Block:
-        """Rows first ... first + count - 1. Raises InputError where the file has been damaged since."""
+    def read(self, disk: Disk, first: int, count: int, quiet: bool = True) -> Block:
+        """Rows first ... first + count - 1. Raises InputError where the file has been damaged since.
+
+        quiet: as of `Chart.states`.
+        """
         if self.opened is not self:
             return self.opened.read(disk, first, count)
         row = {"row": np.arange(first, first + count)}
@@ -151,29 +174,60 @@ class GivenStates:
             table = self._piece(self.chart, first, count)
         else:
             table = {name: values[first : first + count] for name, values in self.columns.items()}
-        states = self.chart.states(disk, table, self.degrees)
+        states = self.chart.states(disk, table, self.degrees, quiet)
         known = coordinates_of(states)
-        # Those that were given stay as they are, to the last digit and also where they are no state.
-        if not self.degrees:
-            known |= {name: table[name] for name in self.chart.present(table) if name in known}
-        # A column in degrees must not come back under a name that stands for radians.
-        turned = set(self.chart.names) & set(ANGULAR) if self.degrees else ()
-        own = {f"given_{k}" if k in turned else k: v for k, v in table.items() if self.degrees or k not in known}
-        return Block(states, row | known, own)
+        self._refuse_contradictions(disk, self.chart, table, known, first)
+        # Those that were given stay as they are, to the last digit and also where they are no state. Others, and
+        # those in degrees, must not come back under names that have a meaning here.
+        kept = {} if self.degrees else {name: table[name] for name in self.chart.present(table)}
+        own = _apart({name: values for name, values in table.items() if name not in kept}, COLUMNS)
+        exact = {name: kept.pop(name) for name in COORDINATES if name in kept}
+        return Block(states, row | known | exact, kept | own)
+
+    def _refuse_contradictions(self, disk: Disk, chart: Chart, table: Columns, known: Columns, first: int) -> None:
+        """Raise InputError where the table says other states too, but for mirror images."""
+        for other in CHARTS:
+            sets = chart.present(table), other.present(table)
+            text = any(table[name].dtype.kind not in "iuf" for name in sets[1])
+            if other is chart or text or {*other.names} - {"face", "tilt_rate"} - {*sets[1]}:
+                continue
+            seen = coordinates_of(other.states(disk, table, self.degrees, True))
+            if not all(_SPEEDS & {*each} for each in sets):
+                seen["phidot"] = known["phidot"]  # only one of them says it
+            size = sum(abs(part[name]) for part in (known, seen) for name in COORDINATES[1:])
+            near: dict[str, Any] = {"phi": _AGREE, **dict.fromkeys(COORDINATES[1:], _AGREE * size)}
+            if "energy" in sets[0] + sets[1]:  # of whose digits a rate has half
+                near["phidot"] = math.sqrt(_AGREE) * (size + disk.rate_unit)
+            for name in COORDINATES:
+                one, two = (abs(x[name]) if name in ("phi", "phidot") else x[name] for x in (known, seen))
+                off = np.flatnonzero(abs(one - two) > near[name])
+                if off.size:
+                    values = f"by {', '.join(sets[0])} {one[off[0]]:g}, by {', '.join(sets[1])} {two[off[0]]:g}"
+                    raise InputError(f"{self.what}: row {first + off[0]}: {name} is {values}; leave one set out")
 
     def _piece(self, chart: Chart, first: int, count: int) -> Columns:
-        """Some rows of a Parquet file: only the row groups that hold them are read."""
-        import pyarrow.parquet as pq
+        """Some rows of Parquet files: only the row groups that hold them are read."""
+        import pyarrow as pa
+        from pyarrow.parquet import ParquetFile
 
-        with (
-            _reading(self.what, "put the file back"),
-            pq.ParquetFile(self.path, page_checksum_verification=True) as file,
-        ):
-            groups = range(file.metadata.num_row_groups)
-            ends = np.cumsum([0, *(file.metadata.row_group(i).num_rows for i in groups)])
-            low, high = np.searchsorted(ends[1:], [first, first + count - 1], side="right")
-            table = file.read_row_groups(range(low, high + 1)).slice(first - ends[low], count)
-        return _read(table, chart, self.what)
+        ends = np.cumsum([0, *(rows for _, _, rows in self.groups)])
+        low, high = np.searchsorted(ends[1:], [first, first + count - 1], side="right")
+        with _reading(self.what, "put the file back"):
+            some = self.groups[low : high + 1]
+            parts = [ParquetFile(file, page_checksum_verification=True).read_row_group(n) for file, n, _ in some]
+            table = pa.concat_tables(parts, promote_options="permissive").slice(first - ends[low], count)
+        return _read(table, chart, self.what, first)
+
+    def told(self, rows: list[int]) -> list[str]:
+        """Rows by number, each with those of its cells, as they are written, that hold no number."""
+        given = self.opened
+        if given.chart is None:
+            return list(map(str, rows))
+        columns = given._piece(given.chart, 0, max(rows) + 1) if given.columns is None else given.columns
+        names = given.chart.present(columns)
+        texts = _csv(given.path, names) if given.path and given.columns else columns
+        cells = [[f"{n} {str(texts[n][row])!r}" for n in names if math.isnan(columns[n][row])] for row in rows]
+        return [f"{row} ({', '.join(at)})" if at else f"{row}" for row, at in zip(rows, cells, strict=True)]
 
 
 def coordinates_of(states: States) -> Columns:
@@ -185,6 +239,16 @@ def coordinates_of(states: States) -> Columns:
 # Tables
 
 
+def _apart(own: Columns, taken: Collection[str]) -> Columns:
+    """A user's own columns, called given_NAME where their names are taken."""
+    apart: Columns = {}
+    for name, values in own.items():
+        while name in taken or name in apart:
+            name = f"given_{name}"
+        apart[name] = values
+    return apart
+
+
 @contextmanager
 def _reading(what: str, remedy: str) -> Iterator[None]:
     """Say in one sentence that a file cannot be read."""
@@ -192,7 +256,7 @@ def _reading(what: str, remedy: str) -> Iterator[None]:
 
     try:
         yield
-    except (OSError, UnicodeError, pa.ArrowException) as error:
+    except (OSError, EOFError, UnicodeError, zlib.error, pa.ArrowException) as error:
         reason = getattr(error, "strerror", None) or " ".join(str(error).split())
         raise InputError(f"{what}: cannot be read ({shorten(reason, 120)}); {remedy}") from None
 
@@ -207,26 +271,59 @@ def _table(given: Any, what: str) -> "pa.Table":
     if isinstance(getattr(given, "columns", None), Mapping):  # a result of a call
         given = given.columns
     try:
+        if hasattr(given, "to_frame") and hasattr(given, "iloc"):  # a row of a frame of pandas
+            given = given.to_frame().T
         if hasattr(given, "iloc"):  # of pandas, which would hand over its index as well
             return pa.Table.from_pandas(given, preserve_index=False)
         return pa.table(given)
-    except (TypeError, ValueError, pa.ArrowException) as error:
+    except (TypeError, ValueError, AttributeError, pa.ArrowException) as error:
         raise InputError(
             f"{what}: is no table ({shorten(str(error), 120)}); give a path, a DataFrame, a dict of columns of "
             "one length, or States"
         ) from None
 
 
-def _csv(path: Path) -> "pa.Table":
-    """A CSV file, with commas, semicolons or tabs."""
+def _csv(path: Path, texts: Collection[str] = ()) -> "pa.Table":
+    """A CSV file, with commas, semicolons, tabs or spaces. Lines with # may stand before its table.
+
+    texts: columns whose cells are left as they are written.
+    """
+    import pyarrow as pa
     from pyarrow import csv
 
-    with path.open(encoding="utf-8") as stream:
-        separator = max(",;\t", key=stream.readline().count)
+    content = _text(path)
+    head = content[:_HEAD]
+    lines = head.splitlines() or [""]
+    first = next((n for n, line in enumerate(lines) if line.strip() and line[0] != "#"), 0)
+    # numpy writes the names after a #, and then numbers.
+    commented = first > 0 and double_of(re.split(r"[,;\s]", lines[first].strip())[0]) is not None
+    names = lines[first - commented].strip("# ")
+    separator = max(" ,;\t", key=names.replace(" ", "").count)
+    point = "." if separator == "," else max(".,", key=lambda each: len(re.findall(rf"\d[{each}]\d", head)))
+    missing = [spelt(word) for word in _MISSING for spelt in (str, str.upper, str.title)] + ["NaN"]
+    whole = content.encode()
     # In one block, so that all of a column decides on its type.
-    how = csv.ReadOptions(use_threads=False, block_size=min(path.stat().st_size + 1, 2**31 - 1))
-    table = csv.read_csv(path, how, csv.ParseOptions(delimiter=separator))
+    how = csv.ReadOptions(use_threads=False, block_size=min(len(whole) + 1, 2**31 - 1), skip_rows=first)
+    if commented:
+        how.column_names = names.split(separator)
+    cells = csv.ConvertOptions(decimal_point=point, null_values=[] if texts else missing)
+    cells.column_types = dict.fromkeys(texts, pa.string())
+    table = csv.read_csv(pa.BufferReader(whole), how, csv.ParseOptions(delimiter=separator), cells)
     return table.rename_columns([name.strip() for name in table.column_names])
+
+
+def _text(path: Path) -> str:
+    """What a text file holds, unpacked: UTF-8, UTF-16 where it says so, and Latin-1 where it is nothing else."""
+    content = path.read_bytes()
+    if content.startswith(_GZIP):
+        content = gzip.decompress(content)
+    wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    try:
+        return content.decode("utf-16" if wide else "utf-8-sig")
+    except UnicodeDecodeError:
+        if wide or b"\0" in content:
+            raise
+        return content.decode("latin-1")
 
 
 def _chart(names: list[str], what: str) -> Chart:
@@ -237,24 +334,32 @@ def _chart(names: list[str], what: str) -> Chart:
     return recognise(names, what)
 
 
-def _read(table: "pa.Table", chart: Chart, what: str) -> Columns:
-    """Columns that say where the disk is as numbers, and the user's own as they can be stored."""
+def _read(table: "pa.Table", chart: Chart, what: str, first: int = 0) -> Columns:
+    """Columns that say where the disk is as numbers, and the user's own as they can be stored.
+
+    first: number of the first row.
+    """
     numbers = chart.present(table.column_names)
     return {
-        name: _numbers(table.column(name), f"{what}: column {name!r}")
+        name: _numbers(table.column(name), f"{what}: column {name!r}", first)
         if name in numbers
         else _own(table.column(name), f"{what}: column {name!r}")
         for name in table.column_names
     }
 
 
-def _numbers(column: Any, what: str) -> Array:
-    """Doubles; NaN for cells that are no number. Raises InputError where no cell is."""
+def _numbers(column: Any, what: str, first: int) -> Array:
+    """Doubles; NaN where a cell says that there is none. Raises InputError for another text."""
     import pyarrow.types as types
 
     if any(test(column.type) for test in (types.is_integer, types.is_floating, types.is_decimal)):
         return np.array(column.cast("float64", safe=False).to_numpy())
-    numbers = np.array([double_of(cell) for cell in column.to_pylist()], np.float64)  # None becomes NaN
+    cells = column.to_pylist()
+    read = [math.nan if c is None or str(c).strip().lower() in _MISSING else double_of(c) for c in cells]
+    if None in read:
+        row = read.index(None)
+        number(f"{what}, row {first + row} (counted from 0)", cells[row])
+    numbers = np.array(read, np.float64)
     if numbers.size and np.isnan(numbers).all():
         raise InputError(f"{what} holds no numbers, but {column.type}; give numbers, or rename the column")
     return numbers

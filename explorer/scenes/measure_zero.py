@@ -22,6 +22,7 @@ from explorer.measure.tallies import Histogram, count_status
 from explorer.measure.tubes import widest_eta
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase.arguments import read_range
+from explorer.phase.energy import eta_to_eta_hat
 from explorer.phase.states import COORDINATES, Array, phi_to_states
 from explorer.scenes.options import Reader, option, whole_from
 from explorer.scenes.scene import SAMPLES, Counts, Picture, Table
@@ -167,7 +168,7 @@ class MeasureZero(FromDensity):
         drawn = self.source.draw(disk, chunk_stream(self.seed, index), self.length(index))
         states = phi_to_states(disk, **drawn)
         motion = states.motion
-        distance = abs(disk.eta_to_eta_hat(motion.eta(motion.nearer_plus)))
+        distance = abs(eta_to_eta_hat(disk.body, motion.eta(motion.nearer_plus)))
         rows = np.flatnonzero(distance <= widest_eta(motion.energy, self.deltas[0], disk))
         states = states.at(rows)
         known = states.motion
@@ -177,7 +178,7 @@ class MeasureZero(FromDensity):
         table: Table = {
             **{name: values[rows] for name, values in drawn.items()},
             "sigma3_bar": known.sigma3_bar * disk.rate_unit,
-            "eta_hat": disk.eta_to_eta_hat(known.eta(plus)) * disk.rate_unit,
+            "eta_hat": eta_to_eta_hat(disk.body, known.eta(plus)) * disk.rate_unit,
             "energy": known.energy * disk.energy_unit,
             "face": np.where(plus, 1, -1).astype(np.int8),
             "delta": np.full(plus.size, np.nan),

@@ -110,10 +110,11 @@ class RaceAngles(FromStates):
         """The one of its two kinds that is meant."""
         if cls is not RaceAngles:
             return super().of(given)
-        near = given.get("start") == "near"
-        if given.get("start") is None:
+        start = given.get("start")
+        near = isinstance(start, str) and start == "near"
+        if start is None:
             elsewhere = any(given.get(name) is not None for name in _ELSEWHERE)
-            near = not elsewhere and {*read_ranges("box", given.get("box") or {})} <= {"phidot", "sigma3"}
+            near = not elsewhere and {*read_ranges("box", given.get("box"))} <= {"phidot", "sigma3"}
         kind: Any = NearF if near else Anywhere
         made: Self = kind.of(given)
         return made

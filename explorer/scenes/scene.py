@@ -21,7 +21,7 @@ from explorer.errors import InputError, RunError, one_of, shown, suggest
 from explorer.measure.sampling import Stream, chunk_stream
 from explorer.measure.tallies import ByName, Tally, count_status
 from explorer.motion.plan import METHODS, Plan, plan
-from explorer.paths import read_toml
+from explorer.paths import path_of, read_toml
 from explorer.phase.columns import Column
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.scenes.options import DISK, NUMBER, Options, option, whole_from, word_of
@@ -305,7 +305,7 @@ def scene_class(name: Any) -> type[Scene]:
     if isinstance(name, str) and (".py:" in name or name.endswith(".py")):
         return register(_in_file(name))
     known = [*NAMES, *_own]
-    if name not in known:
+    if not isinstance(name, str) or name not in known:
         yours = "A scene of your own: nearflat run my.py:Scene, or ex.register(Scene)"
         raise InputError(f"scene {shown(name)} is not known; {suggest(name, known)}. {yours}")
     if name in _own:
@@ -318,7 +318,7 @@ def scene_class(name: Any) -> type[Scene]:
 def _in_file(where: str) -> type[Scene]:
     """The class that "my.py:Scene" names; its folder becomes one that workers import from, too."""
     path, _, name = where.rpartition(":") if ".py:" in where else (where, "", "")
-    file = Path(path).resolve()
+    file = path_of("scene", path).resolve()
     if not file.is_file():
         raise InputError(f"scene {where}: there is no file {path}")
     if "." in file.stem:

@@ -111,6 +111,8 @@ class FromStates(FromDensity):
         super().__post_init__()
         if self.states is not None and self.samples > self.states.rows:
             raise InputError(f"samples {self.samples}: states holds {self.states.rows}; leave samples out")
+        if self.states is not None and self.states.chart is not None:  # what contradicts itself is refused
+            self.states.read(self.disk, 0, min(self.samples, self.drawn_at_once), quiet=False)
         made = None if self.states is None else self.states.states
         if made is not None and made.disk != self.disk:
             raise InputError(
@@ -169,7 +171,8 @@ class FromStates(FromDensity):
             except InputError as error:
                 return [*lines, f"which are no states (bad_input) cannot be said: {error}"]
             bad = np.flatnonzero(status == compiled.status.Status.BAD_INPUT)[:10]
-            lines.append(f"no states (bad_input), for instance, counted from 0: row {', '.join(map(str, bad))}")
+            rows = ", ".join(self.states.told(bad.tolist()))
+            lines.append(f"no states (bad_input), for instance, counted from 0: row {rows}")
         return lines
 
 

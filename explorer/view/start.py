@@ -13,6 +13,7 @@ from explorer.motion.limit_motions import LimitMotion
 from explorer.motion.starts import status_at_start
 from explorer.phase.coordinates import constants_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.energy import eta_to_eta_hat
 from explorer.phase.states import States
 
 _UPRIGHT = 0.5 * math.pi
@@ -134,7 +135,7 @@ def _start_of_state(states: States, row: int) -> Start:
         verdict = code(int(status[0]))
         raise InputError(f"states, row {row}: {verdict.sentence} {verdict.remedy}")
     face = 1 if held.nearer_plus[0] else -1
-    eta_hat = float(disk.eta_to_eta_hat(held.eta(held.nearer_plus))[0])
+    eta_hat = float(eta_to_eta_hat(disk.body, held.eta(held.nearer_plus))[0])
     _require_side(0.0 if status[0] == code.FALLS else eta_hat, f"states, row {row}")
     q, z, p, _, _ = (float(row[0]) for row in one.rows)
     theta = _UPRIGHT if z == 0.0 else math.atan2(q, face * z)
@@ -147,7 +148,7 @@ def _start_of_bounce(bounces: Bounces, place: int) -> Start:
     through = _start_of_state(bounces.states, state)
     disk, unit = bounces.states.disk, bounces.states.disk.rate_unit
     one = bounces.states.at(np.array([state]))
-    eta_hat = float(disk.eta_to_eta_hat(one.motion.eta_plus if face > 0 else one.motion.eta_minus)[0])
+    eta_hat = float(eta_to_eta_hat(disk.body, one.motion.eta_plus if face > 0 else one.motion.eta_minus)[0])
     upright = constants_to_states(disk, through.sigma3_bar * unit, eta_hat * unit, 0.0, face)
     left = one.motion.energy[0] - upright.motion.energy[0]
     if left <= 0.0:

@@ -10,7 +10,7 @@ import explorer as ex
 def _has_no_limit(found):
     """The motion has not the energy to come flat, to rounding: E <= V_0; or none to leave the crest before it."""
     known, disk = ex.constants(found.states), found.states.disk
-    flat = disk.energy_at_flat(known.sigma3_bar / disk.rate_unit) * disk.energy_unit
+    flat = disk.energy_at_flat(known.sigma3_bar)
     return (known.energy <= flat + 1e-6 * abs(flat))[..., None] | ~ex.falls(found.states).could_fall[..., None]
 
 

@@ -49,6 +49,20 @@ def test_bad_input_gets_two_lines_at_most_and_status_2_and_writes_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("encoding", ["cp1252", "ascii", "utf-8"])
+def test_a_path_that_the_output_cannot_encode_is_printed_in_other_letters(encoding, tmp_path):
+    (tmp_path / "δ").mkdir()
+    environment = {**os.environ, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
+    for more in ((), ("--json",)):
+        words = [sys.executable, "-m", "explorer", "gallery", "δ", *more]
+        done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, check=True)
+        printed = done.stdout.decode(encoding)
+        page = json.loads(printed)["page"] if more else printed.removeprefix("wrote ").rstrip()
+        assert Path(page) == Path("δ/README.md" if more or encoding == "utf-8" else "\\u03b4/README.md")
+    done = subprocess.run([*words[:3], "verify", "δ"], cwd=tmp_path, env=environment, capture_output=True)
+    assert (done.returncode, b"Traceback" in done.stderr) == (2, False)
+
+
 def test_an_unwritable_out_is_named(capsys, tmp_path):
     (tmp_path / "file").write_text("")
     status, _, err = said(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path / "file" / "x")

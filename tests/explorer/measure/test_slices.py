@@ -95,7 +95,12 @@ def test_a_map_over_tilt_and_precession_in_degrees_is_a_scan_of_these_states():
     wanted = ex.scan(states, ["theta_min", "period"])
     assert found.slice.axes == ("tilt", "precession")
     np.testing.assert_allclose(found.x, tilt[0])
-    np.testing.assert_allclose(found.to_pandas()["tilt"], np.radians(tilt.ravel()))
+    frame = found.to_pandas()
+    np.testing.assert_allclose(frame["tilt"], tilt.ravel())
+    np.testing.assert_allclose(frame["precession"], precession.ravel())
+    np.testing.assert_allclose(frame[["spin", "tilt_rate"]], np.tile([40.0, -5.0], (16, 1)))
+    units = {field.name: field.metadata[b"unit"].decode() for field in found.to_arrow().schema}
+    assert [units[name] for name in ("tilt", "precession", "theta_min")] == ["degrees", "degrees/time", "rad"]
     axes = ex.picture("observable", found).axes[0]
     assert axes.get_xlabel() == "tilt (degrees)"
     assert "spin = 40 degrees/time" in axes.get_title()

@@ -120,14 +120,27 @@ def test_tilts_in_degrees_that_are_said_to_be_are_silent():
     assert ex.rates_to_states(ex.Disk.uniform(), [0.5, 2.0]).status.tolist() == [0, 0]
 
 
+def test_coordinates_by_name_may_be_in_degrees_but_for_an_energy():
+    for given in ({"tilt": 30.0, "precession": 60.0, "spin": 5.0}, {"phi": 30.0, "sigma3": 1.0, "sigma4": 2.0}):
+        more = {"energy": 1.0} if "phi" in given else {}
+        turned = ex.coordinates_to_states(COIN, degrees=True, **given, **more)
+        same = ex.coordinates_to_states(COIN, **{k: np.radians(v) for k, v in given.items()}, **more)
+        np.testing.assert_allclose(turned.natural, same.natural, rtol=1e-14)
+
+
 def test_a_tilt_that_is_none_is_bad_input():
     assert ex.rates_to_states(ex.Disk.uniform(), [0.5, 2.0, np.nan, -0.1, 4.0]).status.tolist() == [0, 0, 2, 2, 2]
 
 
 def test_warnings_of_tilts_point_at_the_line_of_the_user():
-    with pytest.warns(ex.StateWarning) as told:
-        ex.rates_to_states(COIN, 10.0, 0.0, 1.0, 1.0)
-    assert told[0].filename == __file__
+    for call in (
+        lambda: ex.rates_to_states(COIN, 10.0, 0.0, 1.0, 1.0),
+        lambda: ex.steady_motions(COIN, 10.0, 1.0),
+        lambda: ex.coordinates_to_states(COIN, tilt=10.0, precession=1.0, spin=1.0),
+    ):
+        with pytest.warns(ex.StateWarning) as told:
+            call()
+        assert told[0].filename == __file__
 
 
 @pytest.mark.parametrize("face", [1, -1])

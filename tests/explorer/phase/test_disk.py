@@ -1,7 +1,11 @@
 """Disks: presets, text forms, units, and what no disk has."""
 
+import copy
 import json
 import math
+import pickle
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -163,7 +167,7 @@ def test_moments_that_are_left_out_are_those_of_a_flat_uniform_disk():
 
 
 def test_a_number_may_be_text_and_other_text_is_refused():
-    assert ex.Disk.uniform(m="1e-3") == ex.Disk.uniform(m=1e-3)
+    assert ex.Disk.uniform(m="1e-3", g="9.81") == ex.Disk.uniform(m=1e-3, g=9.81)
     assert ex.Disk(I1="0.3", I3="flat") == ex.Disk(I1=0.3)
     for make, said in (
         (lambda: ex.Disk.uniform(m="heavy"), "disk: m = heavy is not a number"),
@@ -173,6 +177,47 @@ def test_a_number_may_be_text_and_other_text_is_refused():
     ):
         with pytest.raises(ex.InputError, match=said):
             make()
+
+
+_WITHOUT_G = {
+    "Disk": lambda **scales: ex.Disk(**scales),
+    "uniform": lambda **scales: ex.Disk.uniform(**scales),
+    "hoop": lambda **scales: ex.Disk.hoop(**scales),
+    "matching": lambda **scales: ex.Disk.matching(**scales),
+    "annulus": lambda **scales: ex.Disk.annulus(0.5, **scales),
+    "from_ratios": lambda **scales: ex.Disk.from_ratios(I1=0.3, **scales),
+    "parse": lambda **scales: ex.Disk.parse("uniform:" + ",".join(f"{k}={v}" for k, v in scales.items())),
+}
+
+
+@pytest.mark.parametrize("name", _WITHOUT_G)
+def test_a_mass_or_a_radius_without_gravity_is_warned_of_at_the_line_of_the_caller(name):
+    make = _WITHOUT_G[name]
+    for scales in ({"m": 5.67e-3}, {"r": 12.1e-3}, {"m": 5.67e-3, "r": 12.1e-3}, {"m": 1.0}):
+        with pytest.warns(UserWarning, match=r"without g, which is then 1; give g=9\.81") as told:
+            assert make(**scales).g == 1.0
+        assert [Path(each.filename).name for each in told] == [Path(__file__).name]
+
+
+@pytest.mark.parametrize("name", _WITHOUT_G)
+def test_natural_units_and_copies_of_a_disk_give_no_warning(name):
+    make = _WITHOUT_G[name]
+    make(g=9.81)
+    if name != "parse":
+        make()
+    with pytest.warns(UserWarning, match="without g"):
+        disk = make(r=0.05)
+    assert replace(disk, r=0.06).g == 1.0
+    assert ex.Disk(**disk.describe()) == pickle.loads(pickle.dumps(disk)) == copy.deepcopy(disk) == disk
+    assert ex.Disk.parse("uniform:m=5.67g,r=12.1mm").g == 9.81
+
+
+@pytest.mark.parametrize(
+    "quantity", [{"r": "12.1 mm"}, {"m": "5.67g"}, {"I1": "150 g cm^2"}, {"I3": "150 g cm^2"}]
+)
+def test_a_number_with_a_unit_is_referred_to_the_call_that_reads_units(quantity):
+    with pytest.raises(ex.InputError, match=r"Disk\.parse"):
+        ex.Disk(**quantity)
 
 
 def test_quantities_may_carry_units():

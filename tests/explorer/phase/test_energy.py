@@ -1,6 +1,7 @@
 """The energy and the amended potential, written once, against the kernels that integrate."""
 
 import numpy as np
+import pytest
 
 import explorer as ex
 from explorer.phase.energy import energy_at
@@ -17,6 +18,8 @@ def test_it_is_the_energy_that_states_have(body):
 
 def test_at_flat_it_is_the_limit_of_the_potential_on_a_line(body):
     phi = 0.5 * np.pi - np.array([1e-4, 1e-5, 1e-6])
-    above = Potential(body, 0.7, 0.0).V(phi) / body.energy_unit - body.energy_at_flat(0.7)
+    line = Potential(body, 0.7, 0.0)
+    above = (line.V(phi) - body.energy_at_flat(line.sigma3_bar)) / body.energy_unit
     np.testing.assert_allclose(above, 0.0, atol=1e-3)
     assert np.all(np.diff(abs(above)) < 0.0)
+    assert line.at_flat(1) == pytest.approx(body.energy_at_flat(line.sigma3_bar), rel=1e-14)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import explorer as ex
+from explorer.phase.energy import eta_hat_to_eta
 from explorer.phase.linear_constants import line_chart, line_slope, motion_given, nearer_plus, other_eta_hat
 
 SLOPES = {"uniform": 0.7285923160189477, "hoop": 0.6761665138414456, "matching": 0.7079432039590211}
@@ -24,9 +25,8 @@ def test_eta_hat_and_eta_are_the_same_in_two_units(body):
     eta = body.eta_hat_to_eta(eta_hat)
     np.testing.assert_allclose(body.eta_to_eta_hat(eta), eta_hat, rtol=4e-16)
     found = ex.constants(ex.phi_to_states(body, 0.3, *(np.array([[0.4, 0.9, -0.2]]).T * body.rate_unit)))
-    np.testing.assert_allclose(
-        body.eta_hat_to_eta(found.eta_hat_plus / body.rate_unit) * body.eta_unit, found.eta_plus, rtol=1e-15
-    )
+    np.testing.assert_allclose(body.eta_hat_to_eta(found.eta_hat_plus), found.eta_plus, rtol=1e-15)
+    np.testing.assert_allclose(body.eta_to_eta_hat(found.eta_plus), found.eta_hat_plus, rtol=1e-15)
 
 
 def test_the_chart_gives_the_constants_that_states_have(body):
@@ -46,7 +46,7 @@ def test_the_chart_gives_the_constants_that_states_have(body):
 def test_constants_that_are_given_put_eta_on_the_face_it_was_given_for(body):
     plus = np.array([True, False])
     found = motion_given(body, np.full(2, 0.6), np.full(2, 1e-200), plus)
-    eta = body.eta_hat_to_eta(1e-200)
+    eta = eta_hat_to_eta(body.body, 1e-200)
     assert [found.eta_plus[0], found.eta_minus[1]] == [eta, eta]
     b = body.body
     both = 2.0 * b.I1 * b.dr0 * 0.6

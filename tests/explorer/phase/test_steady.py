@@ -54,6 +54,17 @@ def test_what_is_not_steady_is_nan_and_bad_input():
     assert len(ex.steady_motions(BODIES["uniform"], [], [])) == 0
 
 
+def test_a_lean_may_be_in_degrees():
+    disk = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
+    one, other = (
+        ex.circular_rolling(disk, 20.0, 0.07, degrees=True),
+        ex.circular_rolling(disk, np.radians(20.0), 0.07),
+    )
+    np.testing.assert_allclose(one.precession, other.precession, rtol=1e-15)
+    with pytest.raises(ex.InputError, match="degrees=True"):
+        ex.circular_rolling(disk, 20.0, 0.07)
+
+
 def test_circular_rolling_goes_round_the_circle_that_was_asked_for(paper_body):
     motion = ex.circular_rolling(paper_body, lean=0.4, radius=3.0)
     assert motion.radius[0] == pytest.approx(3.0, rel=1e-12)

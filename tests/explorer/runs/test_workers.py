@@ -218,6 +218,7 @@ def test_progress_is_shown_where_a_run_takes_longer_than_two_seconds(tmp_path):
         _, err = done.communicate(timeout=60)
         assert done.returncode == 0, err
         assert ("samples/s" in err) is shown
+        assert "\r" not in err  # a log file, where nothing is drawn over
 
 
 # A dask cluster

@@ -1,5 +1,6 @@
 """States that a user gives: what is read, cell by cell, how it is identified, and how damage is told."""
 
+import gzip
 import json
 
 import numpy as np
@@ -140,7 +141,9 @@ def spoilt(path, content):
         (b"phi,Phidot,sigma3,sigma4\n1,2,3,4\n", "add phidot"),
         (b"phi,phi,phidot,sigma3,sigma4\n1,1,1,1,1\n", "several columns 'phi'"),
         (b"phi,phidot,sigma3,sigma4\n", "holds no states"),
-        (b"phi,phidot,sigma3,sigma4\nx,1,2,3\ny,1,2,3\n", "column 'phi' holds no numbers"),
+        (b"phi,phidot,sigma3,sigma4\nx,1,2,3\ny,1,2,3\n", "column 'phi', row 0 .*x is not a number"),
+        (b"phi,phidot,sigma3,sigma4\nNA,1,2,3\n,1,2,3\n", "column 'phi' holds no numbers"),
+        (b"\x1f\x8bno gzip", "cannot be read .*; give Parquet or CSV"),
     ],
 )
 def test_a_damaged_file_is_told_in_one_sentence(content, message, tmp_path):
@@ -158,11 +161,13 @@ def test_a_damaged_file_is_told_in_one_sentence(content, message, tmp_path):
         (dict.fromkeys(NAMES, 1.0), "is no table"),
         ({"phi": [1.0, "x"]}, "is no table"),
         ({"phi": [], "phidot": [], "sigma3": [], "sigma4": []}, "holds no states"),
-        ({name: ["a"] for name in NAMES}, "holds no numbers"),
+        ({name: ["a"] for name in NAMES}, "column 'phi', row 0 .*a is not a number"),
         (dict.fromkeys(NAMES, np.ones((2, 2))), "is no table"),
         (pyarrow.table({name: [[1.0]] if name == "x" else [1.0] for name in (*NAMES, "x")}), "'x' holds list"),
-        ({name: [True] for name in NAMES}, "column 'phi' holds no numbers"),
-        (dict.fromkeys(NAMES, np.array([1], "M8[ns]")), "column 'phi' holds no numbers"),
+        ({name: [True] for name in NAMES}, "column 'phi', row 0 .*True is not a number"),
+        (dict.fromkeys(NAMES, np.array([1], "M8[ns]")), "column 'phi', row 0 .*is not a number"),
+        ({key: [None] for key in NAMES}, "column 'phi' holds no numbers"),
+        (pd.Series([1.0, 2.0]), "do not determine a state"),
         (np.ones((3, 5)), "is no table .*; give a path, a DataFrame, a dict of columns"),
         ("nowhere.csv", "cannot be read"),
     ],
@@ -184,7 +189,7 @@ def test_a_file_that_is_damaged_later_ends_the_run_with_a_sentence(columns, tmp_
 
 
 def test_a_line_of_a_csv_file_with_cells_too_few_is_named_and_one_that_is_no_state_keeps_its_place(tmp_path):
-    (tmp_path / "some.csv").write_text('tilt,precession,name,spin\n0.1,60,a,1\n0.2,abc,b,1\n ,-1e-3,"x,y",1\n')
+    (tmp_path / "some.csv").write_text('tilt,precession,name,spin\n0.1,60,a,1\n0.2,N/A,b,1\n ,-1e-3,"x,y",1\n')
     found, nan = GivenStates.of("states", tmp_path / "some.csv").columns, np.nan
     np.testing.assert_array_equal(found["tilt"], [0.1, 0.2, nan])
     np.testing.assert_array_equal(found["precession"], [60, nan, -1e-3])
@@ -195,10 +200,18 @@ def test_a_line_of_a_csv_file_with_cells_too_few_is_named_and_one_that_is_no_sta
 
 
 def test_a_cell_of_a_csv_file_is_a_number(tmp_path):
-    (tmp_path / "some.csv").write_text("tilt,precession,spin,y\n0x1,1,1,1_0\nx,1,1,2\n +1e0 ,1,1,3\nTrue,1,1,4\n")
+    table = "tilt,precession,spin,y\n1.0D+00,1,1,1_0\n +1e0 ,1,1,3\n\u22121d0,1,1,4\n"
+    (tmp_path / "some.csv").write_text(table, encoding="utf-8")
     found = GivenStates.of("states", tmp_path / "some.csv").columns
-    np.testing.assert_array_equal(found["tilt"], [np.nan, np.nan, 1.0, np.nan])
-    assert found["y"].tolist() == ["1_0", "2", "3", "4"]
+    np.testing.assert_array_equal(found["tilt"], [1.0, 1.0, -1.0])
+    assert found["y"].tolist() == ["1_0", "3", "4"]
+
+
+@pytest.mark.parametrize("text", ["x", "True", '"1,000"', "12:30", "5 deg"])
+def test_a_cell_that_is_no_number_is_named(text, tmp_path):
+    (tmp_path / "some.csv").write_text(f"tilt,precession,spin\n1,1,1\n{text},1,1\n2,1,1\n")
+    with pytest.raises(ex.InputError, match=f"column 'tilt', row 1 .*{text.strip(chr(34))} is not a number"):
+        GivenStates.of("states", tmp_path / "some.csv")
 
 
 @pytest.mark.parametrize("library", ["pandas", "arrow", "dict"])
@@ -223,8 +236,178 @@ def test_missing_cells_of_any_kind_are_nan_or_empty(library):
     assert found["truth"].dtype == bool
 
 
-def test_a_cell_that_is_no_number_is_nan_and_the_others_are_read():
-    given = {"tilt": ["x", "0.5", "2", None], "precession": [1, None, 3, 4], "spin": [3.0] * 4}
+@pytest.mark.parametrize("missing", ["", " ", "N/A", "n/a", "#N/A", "NaN", "nan", "NA", "null", "None", "-", None])
+def test_a_cell_that_says_that_it_has_no_number_is_nan_and_the_others_are_read(missing):
+    given = {"tilt": [missing, "0.5", "2"], "precession": [1, None, 3], "spin": [3.0] * 3}
     found = GivenStates.of("states", given).columns
-    np.testing.assert_array_equal(found["tilt"], [np.nan, 0.5, 2.0, np.nan])
-    np.testing.assert_array_equal(found["precession"], [1, np.nan, 3, 4])
+    np.testing.assert_array_equal(found["tilt"], [np.nan, 0.5, 2.0])
+    np.testing.assert_array_equal(found["precession"], [1, np.nan, 3])
+
+
+TABLE = "tilt,tilt_rate,precession,spin,x\n0.2125,-1.5,620,-380,1.5\n0.175,-80.5,1000,-600,-2\n0.5,0,400,250,3\n"
+TABLES = {
+    "header of numpy": ("# " + TABLE).encode(),
+    "header of numpy after comments": ("# camera 3, 240 fps\n# " + TABLE).encode(),
+    "comments": ("# camera 3, 240 fps\n#\n# tilt in rad\n" + TABLE).encode(),
+    "header of numpy, spaces": ("# " + TABLE.replace(",", " ")).encode(),
+    "tabs and decimal commas": TABLE.replace(",", "\t").replace(".", ",").encode(),
+    "semicolons and decimal commas": TABLE.replace(",", ";").replace(".", ",").encode(),
+    "semicolons and decimal points": TABLE.replace(",", ";").encode(),
+    "minus sign": TABLE.replace("-", "\N{MINUS SIGN}").encode(),
+    "UTF-16": TABLE.encode("utf-16"),
+    "UTF-16, big-endian": "\ufeff".encode("utf-16-be") + TABLE.encode("utf-16-be"),
+    "UTF-8 with a mark, CRLF": TABLE.replace("\n", "\r\n").encode("utf-8-sig"),
+    "Latin-1": TABLE.replace(",x", ",°").encode("latin-1"),
+    "Fortran": TABLE.replace("\n0.5,", "\n5.0D-01,").encode(),
+    "gzip": gzip.compress(TABLE.encode()),
+    "gzip of UTF-16": gzip.compress(TABLE.encode("utf-16")),
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_csv_file_as_people_have_it_is_read(name, tmp_path):
+    (tmp_path / "plain.csv").write_text(TABLE)
+    (tmp_path / "some.csv").write_bytes(TABLES[name])
+    wanted, found = (GivenStates.of("states", tmp_path / file).columns for file in ("plain.csv", "some.csv"))
+    for column in ("tilt", "tilt_rate", "precession", "spin"):
+        np.testing.assert_array_equal(found[column], wanted[column])
+    if name != "minus sign":  # a column of the user's own stays as it is written
+        np.testing.assert_array_equal(*(list(each.values())[-1] for each in (found, wanted)))
+
+
+def test_lines_of_a_file_with_comments_are_counted_from_its_beginning(tmp_path):
+    (tmp_path / "some.csv").write_text("# one\n# two\ntilt,precession,spin\n0.1,60,1\n0.3,1\n")
+    with pytest.raises(ex.InputError, match="Row #5: Expected 3 columns, got 2"):
+        GivenStates.of("states", tmp_path / "some.csv")
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        "tilt (deg),tilt_rate (deg/s),precession (deg/s),spin (deg/s)",
+        "Tilt,Tilt_Rate,Precession,Spin",
+        "tilt [rad],tilt rate [rad/s],precession,spin",
+        "tilt/rad,tilt_rate/s,precession,spin",
+    ],
+)
+def test_a_name_with_a_unit_or_capitals_is_understood_in_the_message(names, tmp_path):
+    (tmp_path / "some.csv").write_text(f"{names}\n1,2,3,4\n")
+    with pytest.raises(ex.InputError, match="did you mean tilt, tilt_rate"):
+        GivenStates.of("states", tmp_path / "some.csv")
+
+
+def test_a_rate_with_a_unit_in_its_name_is_not_left_out_in_silence(tmp_path):
+    (tmp_path / "some.csv").write_text("tilt,tilt_rate (deg/s),precession,spin\n1,2,3,4\n")
+    with pytest.raises(ex.InputError, match="looks like 'tilt_rate'"):
+        GivenStates.of("states", tmp_path / "some.csv")
+
+
+def test_rows_without_numbers_are_told_with_their_cells_as_they_are_written(tmp_path, capsys):
+    table = "tilt,tilt_rate,precession,spin\n0.2,0,1,1\nN/A,-,n/a,1\n9.0,0,1,1\n0.3,0,1,1\n"
+    (tmp_path / "some.csv").write_text(table)
+    where = ("--states", tmp_path / "some.csv", "--out", tmp_path / "run")
+    status, out, _ = said(capsys, "run", "falling-set", *where, "--no-figures", "--quiet")
+    assert status == 0
+    assert "row 1 (tilt 'N/A', tilt_rate '-', precession 'n/a'), 2\n" in out
+    run = ex.run("falling-set", states={"tilt": [0.2, None], "precession": [1, 1], "spin": [1, 1]})
+    assert "row 1 (tilt 'nan')" in run.headline[-1]
+
+
+def test_a_folder_of_parquet_is_one_table_and_so_are_the_chunks_of_a_run(columns, tmp_path):
+    run = ex.run("falling-set", samples=500, keep="all", chunk_size=100, out=tmp_path / "mine", figures=False)
+    again = ex.run("falling-set", states=tmp_path / "mine" / "chunks", keep="all", chunk_size=130, jobs=1)
+    np.testing.assert_allclose(again.frame()["theta_min"], run.frame()["theta_min"], rtol=1e-9)
+    np.testing.assert_array_equal(again.frame()["given_theta_min"], run.frame()["theta_min"])
+    assert again.frame()["row"].tolist() == list(range(500))
+    for first in range(0, 500, 125):
+        part = pyarrow.table(columns).slice(first, 125)
+        pyarrow.parquet.write_table(part, tmp_path / f"{first:03}.parquet", row_group_size=50)
+    found = GivenStates.of("states", tmp_path)
+    expected = ex.phi_to_states(DISK, **columns).natural
+    for first, count in ((0, 500), (120, 10), (499, 1)):
+        np.testing.assert_array_equal(
+            found.read(DISK, first, count).states.natural, expected[:, first : first + count]
+        )
+    pyarrow.parquet.write_table(part, tmp_path / "500.parquet")
+    with pytest.raises(ex.InputError, match="is not the file of states"):
+        GivenStates.of("states", found.describe()).read(DISK, 0, 1)
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(ex.InputError, match="cannot be read"):
+        GivenStates.of("states", tmp_path / "empty")
+
+
+@pytest.mark.parametrize("kind", [float, object])
+def test_a_row_of_a_frame_is_a_table_of_one_row(kind):
+    frame = pd.DataFrame({"tilt": [0.5, 0.6], "precession": [1.0, 2.0], "spin": [3.0, 4.0]}).astype(kind)
+    found = GivenStates.of("states", frame.iloc[1])
+    np.testing.assert_array_equal(
+        found.read(DISK, 0, 1).states.natural, ex.rates_to_states(DISK, 0.6, 0.0, 2.0, 4.0).natural
+    )
+
+
+def test_every_column_of_a_table_comes_back_and_none_under_a_name_with_another_meaning():
+    given = {
+        "time": [0.5],
+        "tilt": [0.3],
+        "precession": [2.0],
+        "spin": [1.0],
+        "phi": [3.0],  # of a video
+        "sigma4": [9.0],
+        "theta_min": [0.1],
+        "given_phi": [4.0],
+        "status": ["seen"],
+        "row": [17],
+        "mass": [5.0],
+        "mine": [6.0],
+    }
+    own = {name: values[0] for name, values in given.items() if name not in ("tilt", "precession", "spin")}
+    for scene in ("falling-set", "race-angles"):
+        found = ex.run(scene, states=given, keep="all").frame().iloc[0]
+        back = {name: found[f"given_{name}"] for name in own if name not in ("phi", "given_phi", "mine")}
+        back |= {"phi": found["given_phi"], "given_phi": found["given_given_phi"], "mine": found["mine"]}
+        assert back == own
+        assert found["phi"] == pytest.approx(np.pi / 2 - 0.3)
+        assert (found["tilt"], found["row"], found["sigma4"]) == (0.3, 0, 1.0)
+
+
+def agreeing(disk, count=50):
+    """A table with all coordinates of the same states."""
+    random = np.random.default_rng(8)
+    tilt, rate = random.uniform(0.1, 1.5, count), random.uniform(-1, 1, count)
+    precession, spin = random.uniform(-1, 1, (2, count))
+    states = ex.rates_to_states(disk, tilt, rate, precession, spin)
+    known = ex.constants(states)
+    coordinates = {name: getattr(states, name) for name in NAMES}
+    rates = {"tilt": tilt, "tilt_rate": rate, "precession": precession, "spin": spin}
+    constants = {"energy": known.energy, "sigma3_bar": known.sigma3_bar, "eta_hat": known.eta_hat_plus}
+    return coordinates | rates | constants
+
+
+@pytest.mark.parametrize("disk", [DISK, ex.Disk.hoop(m=5e-3, r=0.01, g=9.81)], ids=["natural", "SI"])
+def test_two_sets_of_coordinates_may_agree_to_the_digits_that_people_keep(disk):
+    table = agreeing(disk)
+    rounded = {name: [float(f"{value:.4g}") for value in values] for name, values in table.items()}
+    mirrored = table | {"phi": -table["phi"], "phidot": -table["phidot"]}
+    del mirrored["eta_hat"]  # of face +1
+    for given in (table, rounded, mirrored):
+        assert (GivenStates.of("states", given).read(disk, 0, 50).states.status == 0).all()
+
+
+@pytest.mark.parametrize("name", ["tilt", "tilt_rate", "precession", "spin", "energy", "sigma3_bar", "eta_hat"])
+def test_two_sets_of_coordinates_that_disagree_are_refused_before_anything_is_written(name, tmp_path):
+    table = agreeing(DISK)
+    table[name] = table[name].copy()
+    table[name][7] += 0.3
+    for given in (table, {key: values for key, values in table.items() if key != "tilt_rate" or name == key}):
+        with pytest.raises(ex.InputError, match=rf"row 7: (phi|sigma)\w* is by .*, by .*{name}") as told:
+            ex.run("falling-set", states=given, out=tmp_path / "run", figures=False)
+        assert "phi, phidot, sigma3, sigma4" in str(told.value)
+    assert not (tmp_path / "run").exists()
+
+
+def test_degrees_are_those_of_both_sets_of_coordinates():
+    given = {"phi": [60.0], "phidot": [1.0], "sigma3": [2.0], "sigma4": [3.0], "tilt": [30.0], "spin": [3.0]}
+    given["precession"] = [2.0 / np.sin(np.radians(30.0)) ** 2]
+    assert GivenStates.of("states", given).of_degrees(True).read(DISK, 0, 1).states.ok.all()
+    with pytest.raises(ex.InputError, match="row 0: sigma3 is"):
+        GivenStates.of("states", given | {"precession": [9.0]}).of_degrees(True).read(DISK, 0, 1)
