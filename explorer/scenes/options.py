@@ -17,7 +17,8 @@ from typing import Any, NamedTuple, Self, dataclass_transform
 
 import numpy as np
 
-from explorer.errors import InputError, flag, number, one_of, shown, suggest, whole
+from explorer.compiled import usable_cores
+from explorer.errors import MOST_JOBS, InputError, flag, number, one_of, shown, suggest, whole
 from explorer.measure.density import Function
 from explorer.measure.sampling import read_gaussians, read_ranges
 from explorer.paths import path_of
@@ -64,7 +65,13 @@ def option(
     return field(default=default, metadata=about | {"key": key, "several": several, "stays": stays})
 
 
-@dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(option,))
+def workers(text: str) -> Any:
+    """An option that says how many workers there are."""
+    words = "the cores that this process may use"
+    return option(whole_from(1, MOST_JOBS), text, words=words, follows=lambda self, given: given or usable_cores())
+
+
+@dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(option, workers))
 class Options:
     """Fields that are options; a subclass is a frozen dataclass without saying so."""
 
