@@ -133,6 +133,13 @@ def _kernels(names: Iterable[str] | None) -> "list[Kernel[Any]]":
     return [registry[name] for name in sorted(set(registry if names is None else names))]
 
 
+def usable_cores() -> int:
+    """How many cores this process may use, of those that the machine has."""
+    from joblib import cpu_count  # whose import takes a sixth of a second
+
+    return int(cpu_count())
+
+
 def _second_process(kernels: "list[Kernel[Any]]") -> "subprocess.Popen[bytes] | None":
     """A process that compiles these into the cache from the end of the list, while this one begins at the front.
 
@@ -141,7 +148,7 @@ def _second_process(kernels: "list[Kernel[Any]]") -> "subprocess.Popen[bytes] | 
     import subprocess
 
     python = Path(sys.executable or "").stem.lower().startswith("python")  # else another program has Python in it
-    if os.cpu_count() == 1 or not python or _load("kernels._jit").cache_folder() is None:
+    if usable_cores() == 1 or not python or _load("kernels._jit").cache_folder() is None:
         return None
     names = [kernel.name for kernel in kernels]
     code = f"from explorer import compiled\nfor kernel in reversed(compiled._kernels({names})): kernel.compile()"

@@ -9,7 +9,7 @@ from explorer.phase.columns import Column
 from explorer.scenes.options import NUMBER, option
 from explorer.scenes.scene import Counts, SampledScene
 
-SMALL = {"samples": 3000, "seed": 5, "chunk_size": 700, "keep": "all"}  # five chunks
+SMALL = {"samples": 2500, "seed": 5, "chunk_size": 512, "keep": "all"}  # five chunks
 
 
 class CoinCounts(Counts):

@@ -7,7 +7,7 @@ from explorer.measure.falling_constant import constant_of
 from explorer.measure.falling_probability import FallingProbability
 from explorer.measure.laws import Estimate
 
-SMALL_RACES = {"samples": 3000, "seed": 5, "eta_hat": "1e-4:1e-2", "chunk_size": 700}
+SMALL_RACES = {"samples": 3000, "seed": 5, "eta_hat": "1e-4:1e-2", "chunk_size": 512}
 DELTAS = np.array([1e-5, 1e-8, 1e-11, 1e-14])
 
 

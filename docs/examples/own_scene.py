@@ -21,7 +21,7 @@ class Periods(SampledScene):
     tally = PeriodCounts
     columns = {"phidot": Column("Speed at the vertical.", "rad/time"), "period": Column("Period.", "time")}  # noqa: RUF012
 
-    def draw(self, random, count):  # initial states of a chunk, from its random stream
+    def draw(self, random, count):  # initial states, 65,536 from each random stream
         return Box((0.0, 0.0), (0.1, self.speed), (-1.0, 1.0), (-1.0, 1.0)).draw(random, count)
 
     def observe(self, drawn):  # what is found of some of them

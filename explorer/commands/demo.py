@@ -6,14 +6,14 @@ from typing import Any
 
 from explorer import compiled
 from explorer.commands import Answer
-from explorer.errors import MOST_JOBS, InputError, note
+from explorer.errors import InputError, note
 from explorer.motion.bounces import bounce_kernels
 from explorer.motion.compare import compare
 from explorer.motion.plan import plan
 from explorer.runs.run import execute
 from explorer.runs.settings import Settings
 from explorer.scenes.falling_set import FallingSet
-from explorer.scenes.options import FOLDER, Options, option, whole_from
+from explorer.scenes.options import FOLDER, Options, option, whole_from, workers
 from explorer.scenes.scene import scene_class
 
 PAGE, STATES = "README.md", 1_000_000
@@ -40,7 +40,7 @@ class Demo(Options):
 
     # git does not look there: a demo leaves a checkout as it was
     out: Path = option(FOLDER, "folder", default=Path("results/demo"))
-    jobs: int = option(whole_from(1, MOST_JOBS), "threads", default=2)
+    jobs: int = workers("threads")
     seed: int = option(whole_from(0, 2**128 - 1, "S"), "seed of the random streams", default=0)
 
 

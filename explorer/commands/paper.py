@@ -4,10 +4,10 @@ import argparse
 from pathlib import Path
 
 from explorer.commands import Answer
-from explorer.errors import MOST_JOBS, InputError, note, positive
+from explorer.errors import InputError, note, positive
 from explorer.paper.statement import ETA_HAT
 from explorer.phase.disk import Disk
-from explorer.scenes.options import DISK, FOLDER, NUMBER, TEXT, Options, option, whole_from
+from explorer.scenes.options import DISK, FOLDER, NUMBER, TEXT, Options, option, whole_from, workers
 
 
 class Paper(Options):
@@ -22,7 +22,7 @@ class Paper(Options):
         NUMBER._replace(metavar="SIZE"), "with figure: distance from F, in sqrt(g/r)", default=ETA_HAT
     )
     out: Path = option(FOLDER, "folder", default=Path("results/paper"))
-    jobs: int = option(whole_from(1, MOST_JOBS), "threads", default=2)
+    jobs: int = workers("threads")
 
 
 add_arguments = Paper.add_to

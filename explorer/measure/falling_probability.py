@@ -23,7 +23,7 @@ from explorer.measure.falling_constant import FallingConstant, constant_of
 from explorer.measure.importance_sampling import Tube
 from explorer.measure.invariance import flow_stretch, push_forward
 from explorer.measure.laws import SHAPE_BINS, Estimate
-from explorer.measure.sampling import Stream, chunk_stream
+from explorer.measure.sampling import Stream, numbered_stream
 from explorer.measure.tubes import widest_eta
 from explorer.motion.turning_points import smallest_tilts
 from explorer.phase.disk import Disk
@@ -230,7 +230,7 @@ class FallingProbability:
 
     def _invariance(self) -> dict[str, float]:
         """Whether the measure is one: the flow's determinant, and states pushed forward."""
-        start = self.source.draw(self.disk, chunk_stream(self.seed, _INVARIANCE), _FOLLOWED)
+        start = self.source.draw(self.disk, numbered_stream(self.seed, _INVARIANCE), _FOLLOWED)
         stretch = flow_stretch(phi_to_states(self.disk, **start))
         return {
             "determinant_error": float(np.nanmax(abs(stretch.determinant - 1.0))),

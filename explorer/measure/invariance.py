@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError, number, positive, whole
 from explorer.measure.density import Density
-from explorer.measure.sampling import Box, chunk_stream
+from explorer.measure.sampling import Box, numbered_stream
 from explorer.measure.statistics import either_p
 from explorer.motion.orbits import WITH_PLACES
 from explorer.motion.plan import plan
@@ -198,7 +198,7 @@ def push_forward(
     time, seed = positive("time", time), whole("seed", seed, 0, 2**128 - 1)
     samples = whole("samples", samples, _FEWEST, _MOST_SAMPLES)
     density = energy_density(disk, _HIGHEST * disk.energy_unit if energy is None else number("energy", energy))
-    still, start = (density.draw(disk, chunk_stream(seed, index), samples) for index in (0, 1))
+    still, start = (density.draw(disk, numbered_stream(seed, index), samples) for index in (0, 1))
     states = phi_to_states(disk, **start)
     most = _STEPS_IN_ALL // samples
     motions = simulate(states, t_eval=[time], observables=COORDINATES, accuracy=_ACCURACY, max_steps=most)

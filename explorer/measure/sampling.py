@@ -2,8 +2,8 @@
 
 dphi dphidot dsigma3 dsigma4 is invariant under the reduced flow (its vector field has no
 divergence in these coordinates), so uniform draws in a box of them are draws from the natural measure.
-Chunk i of a run has a random stream of its own, so a sample depends on the seed and its place
-in the run, never on the number of workers.
+Each stream gives PER_STREAM samples of a run, in order, so a sample depends on the seed and its place
+in the run, never on the size of chunks or the number of workers.
 """
 
 import math
@@ -23,6 +23,7 @@ from explorer.phase.states import COORDINATES, Array, States
 Range = tuple[float, float]
 Stream = np.random.Generator
 
+PER_STREAM = 1 << 16  # samples of a run that are drawn from one random stream; another number would give others
 BLOCK = 8192  # draws at once: a few columns of them stay in a processor's cache
 _HALF_PI = 0.5 * math.pi
 # Between which numbers coordinates lie, and in words; flat itself is no state.
@@ -141,9 +142,9 @@ def _by_coordinate(option: str, given: Any, read: Callable[[str, Any], Range], e
     return ranges
 
 
-def chunk_stream(seed: int, index: int) -> np.random.Generator:
-    """The random stream of chunk `index`; only its uniform doubles are used, which no numpy release changes."""
-    return np.random.Generator(np.random.Philox(np.random.SeedSequence(seed, spawn_key=(index,))))
+def numbered_stream(seed: int, number: int) -> Stream:
+    """Random stream `number`; only its uniform doubles are used, which no numpy release changes."""
+    return np.random.Generator(np.random.Philox(np.random.SeedSequence(seed, spawn_key=(number,))))
 
 
 def signs(unit: Array) -> Array:

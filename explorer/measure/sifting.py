@@ -1,11 +1,12 @@
 """States drawn evenly from a box, counted and sifted by one compiled pass: only those near F leave it."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from explorer import compiled
-from explorer.measure.sampling import Box, Ranges, Stream
+from explorer.measure.sampling import PER_STREAM, Box, Ranges, Stream
 from explorer.measure.tallies import LOWEST_BIN, NO_ENDS, PER_DECADE, LogHistogram
 from explorer.phase.disk import LARGEST_RATE, Disk
 from explorer.phase.energy import eta_hat_to_eta
@@ -37,15 +38,15 @@ def in_lanes(disk: Disk, box: Ranges) -> bool:
     return isinstance(box, Box) and max(rates) < LARGEST_RATE * disk.rate_unit
 
 
-def sift(disk: Disk, box: Ranges, random: Stream, sizes: tuple[int, int], near: float) -> Sifted:
-    """Draw, judge and count states, which are those of `Box.draw` from this stream.
+def sift(disk: Disk, box: Ranges, streams: Iterable[Stream], sizes: tuple[int, int], near: float) -> Sifted:
+    """Draw, judge and count states, which are those of `Box.draw` from these streams, PER_STREAM of each.
 
     sizes: how many states, and how many are drawn at once. near: |eta_hat|, units of the disk.
     """
     count, block = sizes
     low, high = np.array([box.ranges[name] for name in COORDINATES]).T.copy()
-    keys = compiled.philox.round_keys(random.bit_generator.state["state"]["key"])
-    draw = compiled.sifting.Draw(keys, low, high - low, block, disk.rate_unit)
+    keys = [compiled.philox.round_keys(each.bit_generator.state["state"]["key"]) for each in streams]
+    draw = compiled.sifting.Draw(np.concatenate(keys), PER_STREAM, low, high - low, block, disk.rate_unit)
     eta_per_eta_hat = eta_hat_to_eta(disk.body, 1.0)
     sieve = compiled.sifting.Sieve(obstacle(disk), eta_per_eta_hat, near, float(PER_DECADE), -LOWEST_BIN)
     found = compiled.sifting.Found(

@@ -4,7 +4,6 @@ import json
 import shutil
 import time
 from dataclasses import dataclass
-from os import cpu_count
 from pathlib import Path
 
 from explorer import compiled
@@ -44,7 +43,7 @@ def estimate(scene: Scene, settings: Settings) -> Estimate:
     scene.chunk(probed[0])  # loads compiled code and fills caches, which no other has to do
     began = time.process_time()  # of the processor, so that other programs do not count
     sizes = [_bytes_of(*scene.chunk(index)) for index in probed]
-    seconds = (time.process_time() - began) * count / len(probed) / min(jobs, cpu_count() or 1)
+    seconds = (time.process_time() - began) * count / len(probed) / min(jobs, compiled.usable_cores())
     stored, free = sum(sizes) * count / len(probed), _free_bytes(settings.out) if settings.out else None
     disk, held = (stored, 0.0) if settings.out else (0.0, stored)
     at_work = scene.bytes_per_sample * scene.length(0) if isinstance(scene, SampledScene) else max(sizes)

@@ -11,6 +11,7 @@ import linecache
 import platform
 import shutil
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
@@ -136,6 +137,12 @@ def differing(one: dict[str, Any], two: dict[str, Any]) -> Iterator[tuple[str, A
             yield key, here, there
 
 
+def continued(scene: Scene, record: dict[str, Any]) -> Scene:
+    """The scene as its folder has begun it, in what stays unless something else was given."""
+    kept: Any = {name: record["options"].get(name) for name in scene.stays}
+    return replace(scene, **kept) if kept else scene
+
+
 def require_same(folder: Path, record: dict[str, Any], scene: Scene) -> None:
     """Raise InputError where the folder holds another run; one of fewer samples is a part of the same."""
     for key, before, now in differing(record, identity(scene)):
@@ -149,8 +156,8 @@ def require_same(folder: Path, record: dict[str, Any], scene: Scene) -> None:
 
 
 @contextlib.contextmanager
-def opened(folder: Path, scene: Scene, exist: str) -> Iterator[dict[str, Any]]:
-    """The folder, for one run at a time; what run.json says where the run is begun, else nothing.
+def opened(folder: Path, scene: Scene, exist: str) -> Iterator[tuple[Scene, dict[str, Any]]]:
+    """The folder, for one run at a time: the scene as it goes on there, and run.json where the run is begun.
 
     Raises InputError; then nothing is written.
     """
@@ -173,26 +180,29 @@ def opened(folder: Path, scene: Scene, exist: str) -> Iterator[dict[str, Any]]:
         (folder / "chunks").mkdir(exist_ok=True)
         known = read_record(folder) if record.exists() else {}
         if known:
+            scene = continued(scene, known)
             require_same(folder, known, scene)
-        yield known
+        yield scene, known
 
 
 def missing_chunks(folder: Path, scene: Scene, say: Callable[[str], None]) -> list[int]:
     """The numbers of chunks that are not there or not good. What is no good chunk is moved to bad/ and told."""
     for leftover in (*folder.glob(".*.tmp"), *folder.glob("chunks/.*.tmp")):
         leftover.unlink(missing_ok=True)
-    good, shared = set[int | None](), digest_of_identity(identity(scene))
+    good, shared, shorter = set[int | None](), digest_of_identity(identity(scene)), 0
     for chunk, fault in store.examined(store.chunks_in(folder), scene.chunks, shared):
         path, place = folder / "chunks" / chunk.name, folder / "bad"
-        if not fault and chunk.note()["samples"] < scene.length(chunk.number or 0):
-            say(f"{chunk.name}: it was the last of a run of fewer samples; it is computed anew")
+        if not fault and chunk.note()["drawn"] < scene.drawn(chunk.number or 0):
             path.unlink()
+            shorter += 1
         elif not fault:
             good.add(chunk.number)
         else:
             say(f"{chunk.name}: {fault}; it is put aside in {place}")
             place.mkdir(exist_ok=True)
             path.replace(place / chunk.name)
+    if shorter:
+        say(f"chunks at the end of a run of fewer samples, which are computed anew: {shorter}")
     return [index for index in range(scene.chunks) if index not in good]
 
 

@@ -1,6 +1,5 @@
 """What a run was computed on: what may change the last digits of its numbers, and what is only of interest."""
 
-import os
 import platform
 import sys
 from typing import Any
@@ -17,7 +16,7 @@ def machine() -> dict[str, Any]:
         "processor": platform.machine(),
         "compiled_for": compiled.target()[0],
         "arithmetic": arithmetic(),
-        "cores": os.cpu_count(),
+        "cores": compiled.usable_cores(),
         "byteorder": sys.byteorder,
     }
 

@@ -399,8 +399,8 @@ def execute(scene: Scene, settings: Settings) -> Run:
     which says how to continue.
     """
     if settings.out is not None:
-        with folders.opened(settings.out, scene, settings.exist) as record:
-            return _fill(scene, settings, settings.out, record)
+        with folders.opened(settings.out, scene, settings.exist) as (begun, record):
+            return _fill(begun, settings, settings.out, record)
     compiled.warmup(scene.kernels, lambda text: note(text, not settings.progress))
     with stopping(settings.onward) as stop:
         held = sorted(_computed(scene, settings, list(range(scene.chunks)), stop), key=lambda chunk: chunk.name)

@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from explorer.errors import MOST_JOBS, InputError, one_of, whole, words
-from explorer.scenes.options import FOLDER, TEXT, TRUTH, Options, Reader, option, options_of, whole_from, word_of
+from explorer.errors import InputError, one_of, whole, words
+from explorer.scenes.options import FOLDER, TEXT, TRUTH, Options, Reader, option, options_of, word_of, workers
 from explorer.scenes.scene import Scene, scene_class
 
 FORMATS, KNOWN_FORMATS = ("png", "svg"), ("png", "svg", "pdf")
@@ -41,7 +41,7 @@ class Making(Options):
 
     name: ClassVar[str] = "resume"  # which takes these alone
 
-    jobs: int = option(whole_from(1, MOST_JOBS), "number of workers; results do not depend on it", default=2)
+    jobs: int = workers("number of workers; results do not depend on it")
     backend: str = option(word_of("threads", "processes", "dask"), "kind of workers", default="threads")
     scheduler: str | None = option(
         TEXT._replace(metavar="ADDRESS"), "address of a dask scheduler", words="a scheduler that the run starts"

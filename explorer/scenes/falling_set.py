@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.measure import sifting, statistics
-from explorer.measure.sampling import chunk_stream, read_ranges
+from explorer.measure.sampling import PER_STREAM, read_ranges
 from explorer.measure.slices import ConstantsPlane, Slice, slice_map
 from explorer.measure.tallies import ByName, Least, LogHistogram, count_status
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
@@ -24,7 +24,7 @@ from explorer.phase.falling_set import falls
 from explorer.phase.states import COORDINATES, Array, phi_to_states
 from explorer.scenes.given_states import Block
 from explorer.scenes.options import Reader, option, whole_from, word_of
-from explorer.scenes.scene import Counts, Picture, Table
+from explorer.scenes.scene import MANY, Counts, Picture, Table
 from explorer.scenes.starts import FromStates
 
 if TYPE_CHECKING:
@@ -33,9 +33,6 @@ if TYPE_CHECKING:
 # Near F, natural units of eta_hat: where all samples have a theta_min, and where only those near F do. Rows beyond
 # are counted, not stored, unless all are asked for.
 NEAR = {"all": 0.01, "near": 0.001, "none": 0.001}
-# Above so many samples theta_min is computed near F only, where it is all that matters, and chunks are large:
-# such runs keep few rows of each.
-MOST_THETA_MIN = 10_000_000
 _WIDER = 1.0 + 1e-9  # rounding of a distance must not decide what is looked at
 # The map of all samples over the plane of constants: cells a side, and as many first states as say how far it must
 # reach; theta_min as integers, 3000 to the decade above 1e-20.
@@ -56,17 +53,12 @@ class FallingCounts(Counts):
 class FallingSet(FromStates):
     """From which states does the disk fall flat? theta_min and the nearer face of random or given states."""
 
-    chunk_size: int = option(
-        whole_from(1, 10**8),
-        "samples per chunk",
-        words=f"65536; 2^20 above {MOST_THETA_MIN:.0e} samples",
-        follows=lambda self, given: given or (1 << 20 if self.samples > MOST_THETA_MIN else 1 << 16),
-    )
     theta_min: str = option(
         word_of(*NEAR),
         "for which states to compute theta_min: all, near (those near the falling set), or none",
-        words=f"all; above {MOST_THETA_MIN:.0e} samples, near",
-        follows=lambda self, given: given or ("near" if self.samples > MOST_THETA_MIN else "all"),
+        words=f"all; above {MANY:.0e} samples near, as it is near F that it matters",
+        follows=lambda self, given: given or ("near" if self.samples > MANY else "all"),
+        stays=True,
     )
     slice: tuple[Slice, ...] = option(
         Reader(read_ranges, "SLICE", "str | Slice"),
@@ -89,6 +81,7 @@ class FallingSet(FromStates):
         *("theta_min", "status", "steps"),
     )
     columns_of_given = ("row",)
+    keeps_few = ("none", "near")
     bytes_per_sample = 300
     says = (
         "{valid_states:,} of {samples:,} samples are states of the disk, {falls:,} of them exactly on the "
@@ -175,14 +168,15 @@ class FallingSet(FromStates):
     def _in_lanes(self) -> bool:
         """Whether drawing, counting and sifting are one compiled pass."""
         sifted = self.theta_min != "all" and self.keep != "all" and self.states is None
-        return sifted and self.source.plain and sifting.in_lanes(self.disk, self.box)
+        whole = self.chunk_size % PER_STREAM == 0  # of parts of a stream the pass knows nothing
+        return sifted and whole and self.source.plain and sifting.in_lanes(self.disk, self.box)
 
     def chunk(self, index: int) -> tuple[Table, FallingCounts]:
         if not self._in_lanes:
             return super().chunk(index)
         n, tally = self.length(index), FallingCounts()
-        random = chunk_stream(self.seed, index)
-        found = sifting.sift(self.disk, self.box, random, (n, self.drawn_at_once), self.tube * _WIDER)
+        streams = (random for random, _, _ in self.streams(index))
+        found = sifting.sift(self.disk, self.box, streams, (n, self.drawn_at_once), self.tube * _WIDER)
         table = self.observe(Block(phi_to_states(self.disk, **found.columns), found.columns, {}))
         tally.faces += found.faces
         tally.could_fall, tally.distance = found.could_fall, found.distance

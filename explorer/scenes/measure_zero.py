@@ -17,7 +17,7 @@ from explorer.errors import InputError, said
 from explorer.measure import invariance
 from explorer.measure.density import Density
 from explorer.measure.falling_probability import FEWEST_HITS, FallingProbability
-from explorer.measure.sampling import Range, chunk_stream
+from explorer.measure.sampling import Range, Stream, numbered_stream
 from explorer.measure.tallies import Histogram, count_status
 from explorer.measure.tubes import widest_eta
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
@@ -25,7 +25,7 @@ from explorer.phase.arguments import read_range
 from explorer.phase.energy import eta_to_eta_hat
 from explorer.phase.states import COORDINATES, Array, phi_to_states
 from explorer.scenes.options import Reader, option, whole_from
-from explorer.scenes.scene import SAMPLES, Counts, Picture, Table
+from explorer.scenes.scene import SAMPLES, Counts, Picture, Table, joined
 from explorer.scenes.starts import FromDensity
 
 _BATCH = 1 << 14  # draws per batch of a tube; the last may have fewer
@@ -135,6 +135,16 @@ class MeasureZero(FromDensity):
             return super().length(index - self._in_tubes)
         return min(_BATCH, self.tube - index % self._batches * _BATCH)
 
+    def streams(self, index: int, before: int = 0) -> Iterator[tuple[Stream, int, range]]:
+        if index >= self._in_tubes:
+            yield from super().streams(index - self._in_tubes, self._in_tubes)
+        else:  # each batch has a stream of its own
+            count = self.length(index)
+            yield numbered_stream(self.seed, index), count, range(count)
+
+    def draw(self, random: Stream, count: int) -> Table:
+        return self.source.draw(self.disk, random, count)
+
     def chunk(self, index: int) -> tuple[Table, ZeroCounts]:
         table, tally = self._plain(index) if index >= self._in_tubes else self._batch(index)
         tally.status += count_status(table["status"])
@@ -147,9 +157,9 @@ class MeasureZero(FromDensity):
 
     def _batch(self, index: int) -> tuple[Table, ZeroCounts]:
         """Draws in a tube. sigma3 and sigma4 are NaN: doubles do not hold such a small eta_hat as a difference."""
-        tube, count, tally = index // self._batches, self.length(index), ZeroCounts()
+        tube, ((random, count, _),), tally = index // self._batches, self.streams(index), ZeroCounts()
         rung, face = tube // 2, 1 if tube % 2 == 0 else -1
-        draws = self.probability.draw(face, float(self.deltas[rung]), chunk_stream(self.seed, index), count)
+        draws = self.probability.draw(face, float(self.deltas[rung]), random, count)
         tally.batches += [self.probability.batch(rung, face, draws)]
         table = {
             **vars(draws),
@@ -160,12 +170,16 @@ class MeasureZero(FromDensity):
         return {name: table[name] for name in self.columns}, tally
 
     def _plain(self, index: int) -> tuple[Table, ZeroCounts]:
-        """Draws from the density; those that could come flatter than the first rung are followed.
+        """Draws from the density."""
+        table, tally = joined([*map(self.observe, self.blocks(index))]), ZeroCounts()
+        tally.status["not followed"] += self.length(index) - table["status"].size
+        tally.falls += int((table["status"] == compiled.status.Status.FALLS).sum())
+        tally.below = Histogram(self.probability.below(table["theta_min"]))
+        return table, tally
 
-        theta_min is 0 for those that fall.
-        """
-        disk, tally = self.disk, ZeroCounts()
-        drawn = self.source.draw(disk, chunk_stream(self.seed, index), self.length(index))
+    def observe(self, drawn: Table) -> Table:
+        """Those draws that could come flatter than the first rung; theta_min is 0 for those that fall."""
+        disk = self.disk
         states = phi_to_states(disk, **drawn)
         motion = states.motion
         distance = abs(eta_to_eta_hat(disk.body, motion.eta(motion.nearer_plus)))
@@ -174,8 +188,7 @@ class MeasureZero(FromDensity):
         known = states.motion
         plus = known.nearer_plus
         theta, status, _ = smallest_tilt(states, self.plan)
-        falls = status == compiled.status.Status.FALLS
-        table: Table = {
+        return {
             **{name: values[rows] for name, values in drawn.items()},
             "sigma3_bar": known.sigma3_bar * disk.rate_unit,
             "eta_hat": eta_to_eta_hat(disk.body, known.eta(plus)) * disk.rate_unit,
@@ -183,13 +196,9 @@ class MeasureZero(FromDensity):
             "face": np.where(plus, 1, -1).astype(np.int8),
             "delta": np.full(plus.size, np.nan),
             "weight": np.ones(plus.size),
-            "theta_min": np.where(falls, 0.0, theta),
+            "theta_min": np.where(status == compiled.status.Status.FALLS, 0.0, theta),
             "status": status.astype(np.int8),
         }
-        tally.status["not followed"] += self.length(index) - plus.size
-        tally.falls += int(falls.sum())
-        tally.below = Histogram(self.probability.below(table["theta_min"]))
-        return table, tally
 
     @property
     def kernels(self) -> tuple[str, ...]:

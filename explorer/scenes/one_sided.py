@@ -14,7 +14,7 @@ import numpy as np
 
 from explorer.errors import InputError
 from explorer.measure.races import SIDES
-from explorer.measure.sampling import Range, chunk_stream
+from explorer.measure.sampling import Range, numbered_stream
 from explorer.measure.tallies import ByName, count_status
 from explorer.motion import limit_motions
 from explorer.motion.both_sides import QUANTITIES, both_sides, limits_from, sample_times
@@ -118,7 +118,7 @@ class OneSided(Scene):
     def starts(self, index: int) -> list[dict[str, float]]:
         """Points of F of chunk `index`, each by its phidot, sigma3_bar and face at the vertical."""
         disk, _, count = self.parts[index]
-        drawn = (self.box or BoxNearF.near(disk, {})).starts(chunk_stream(self.seed, index), count)
+        drawn = (self.box or BoxNearF.near(disk, {})).starts(numbered_stream(self.seed, index), count)
         return [{name: float(values[i]) for name, values in drawn.items()} for i in range(count)]
 
     @property

@@ -17,7 +17,8 @@ from typing import Any, NamedTuple, Self, dataclass_transform
 
 import numpy as np
 
-from explorer.errors import InputError, flag, number, one_of, shown, suggest, whole
+from explorer.compiled import usable_cores
+from explorer.errors import MOST_JOBS, InputError, flag, number, one_of, shown, suggest, whole
 from explorer.measure.density import Function
 from explorer.measure.sampling import read_gaussians, read_ranges
 from explorer.paths import path_of
@@ -47,22 +48,30 @@ def option(
     key: str = "",
     several: bool = False,
     required: bool = False,
+    stays: bool = False,
 ) -> Any:
     """A field that is an option.
 
     text: for help, and words: its default, where the value does not say it. follows: called with all options and
     with what was read, None where nothing was given; returns the value. key: what records call it that list
     one or several, as `slices` for slice. several: whether the value is a tuple, of one or of a list, and the flag
-    may be given more than once. required: whether it must be given.
+    may be given more than once. required: whether it must be given. stays: whether a stored run that goes on keeps
+    its value where none is given.
     """
     if several:
         accepts = f"{reader.accepts} | Sequence[{reader.accepts}]"
         reader = Reader(partial(_read_all, reader.read), reader.metavar, accepts)
     about = {"reader": reader, "text": text, "words": words, "follows": follows, "required": required}
-    return field(default=default, metadata={**about, "key": key, "several": several})
+    return field(default=default, metadata=about | {"key": key, "several": several, "stays": stays})
 
 
-@dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(option,))
+def workers(text: str) -> Any:
+    """An option that says how many workers there are."""
+    words = "the cores that this process may use"
+    return option(whole_from(1, MOST_JOBS), text, words=words, follows=lambda self, given: given or usable_cores())
+
+
+@dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(option, workers))
 class Options:
     """Fields that are options; a subclass is a frozen dataclass without saying so."""
 

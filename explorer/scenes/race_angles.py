@@ -196,6 +196,7 @@ class NearF(RaceAngles):
     )
     name = RaceAngles.name
     blocks = SampledScene.blocks
+    drawn_at_once = SampledScene.drawn_at_once
 
     def box_of(self, given: dict[str, Range] | None) -> BoxNearF:
         usual = {"bounces": 1, "degrees": False}

@@ -17,14 +17,14 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, RunError, one_of, shown, suggest
-from explorer.measure.sampling import Stream, chunk_stream
+from explorer.errors import InputError, RunError, one_of, said, shown, suggest, whole
+from explorer.measure.sampling import PER_STREAM, Stream, numbered_stream
 from explorer.measure.tallies import ByName, Tally, count_status
 from explorer.motion.plan import METHODS, Plan, plan
 from explorer.paths import path_of, read_toml
 from explorer.phase.columns import Column
 from explorer.phase.disk import SYNTAX, Disk
-from explorer.scenes.options import DISK, NUMBER, Options, option, whole_from, word_of
+from explorer.scenes.options import DISK, NUMBER, Options, Reader, option, options_of, whole_from, word_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,6 +35,19 @@ Picture: TypeAlias = "Callable[..., Axes | Figure]"
 Table = dict[str, NDArray[Any]]
 K = TypeVar("K", bound="type[Scene]")
 SAMPLES = whole_from(1, 10**12), "number of samples, e.g. 1e6"
+# Above so many samples a run is large, and so are its chunks where few of their rows are stored.
+MANY, _LARGE, _LARGEST = 10_000_000, 1 << 20, 1 << 26
+
+
+def read_chunk_size(name: str, value: Any) -> int:
+    """Read the size of a chunk: whole streams, or an even part of one. Raises InputError with the nearest size."""
+    size = whole(name, value, low=1, high=_LARGEST)
+    sizes = [1 << k for k in range(17)] if size < PER_STREAM else [round(size / PER_STREAM) * PER_STREAM]
+    nearest = min(sizes, key=lambda each: abs(each - size))
+    if nearest != size:
+        kinds = f"a power of two up to {PER_STREAM}, or a multiple of {PER_STREAM}"
+        raise InputError(f"{said(name, value)}: give {kinds}; the nearest is {nearest}")
+    return size
 
 
 class Counts(Tally):
@@ -63,6 +76,7 @@ class Scene(Options, ABC):
     columns_of_given: ClassVar[tuple[str, ...]] = ()  # what else it stores where the states are given
     # Lines that are said of a run: `str.format` with the summary; one whose numbers are not there is not.
     says: ClassVar[Sequence[str]] = ()
+    stays: ClassVar[Sequence[str]] = ()  # of an object, options that were not given and stay as in its folder
 
     def __init_subclass__(cls, **how: Any) -> None:
         super().__init_subclass__(**how)
@@ -71,6 +85,8 @@ class Scene(Options, ABC):
 
     def __post_init__(self) -> None:
         """Raise InputError where options do not go together; scenes add what they must refuse."""
+        stays = [each.name for each in options_of(type(self)) if each.metadata["stays"]]
+        object.__setattr__(self, "stays", [name for name in stays if getattr(self, name) is None])
         super().__post_init__()
         _ = self.plan  # a method that cannot give the observables is refused before anything is written
         if not self.observables and self.method != "auto":
@@ -89,6 +105,10 @@ class Scene(Options, ABC):
     @abstractmethod
     def length(self, index: int) -> int:
         """How many samples chunk `index` stands for."""
+
+    def drawn(self, index: int) -> int:
+        """How many samples the streams of chunk `index` give; it is another chunk where more would come."""
+        return self.length(index)
 
     @abstractmethod
     def chunk(self, index: int) -> tuple[Table, Any]:
@@ -139,16 +159,25 @@ class SampledScene(Scene):
         "which samples to store: near (those near the falling set), all or none; counts always cover all",
         default="near",
     )
-    # A kernel call on a chunk stays well under a second.
-    chunk_size: int = option(whole_from(1, 10**8), "samples per chunk", default=1 << 16)
+    chunk_size: int = option(
+        Reader(read_chunk_size, "N", "int | float | str"),
+        "samples per chunk, on which no number depends: a power of two up to 65536, or a multiple of 65536",
+        words=f"65536; 2^20 above {MANY:.0e} samples if few rows are stored",
+        follows=lambda self, given: (
+            given or (_LARGE if self.samples > MANY and self.keep in self.keeps_few else PER_STREAM)
+        ),
+        stays=True,
+    )
 
     block: ClassVar[int] = 1 << 15  # samples at once: columns of them stay in a processor's cache
+    drawn_at_once: ClassVar[int] = PER_STREAM  # by one call of `draw`; another number would give other samples
+    keeps_few: ClassVar[tuple[str, ...]] = ("none",)  # of `keep`, what stores only a small share of the rows
     bytes_per_sample: ClassVar[int] = 1000  # while its chunk is computed, for a budget of memory
 
     # What a scene offers
 
     def draw(self, random: Stream, count: int) -> Table:
-        """So many samples, or what makes them: columns, from the random stream of a chunk."""
+        """So many samples, or what makes them: columns, from a random stream."""
         raise NotImplementedError(_OFFERS)
 
     def observe(self, drawn: Any) -> Table:
@@ -177,12 +206,35 @@ class SampledScene(Scene):
         """How many samples chunk `index` stands for; only the last is shorter."""
         return min(self.chunk_size, self.samples - index * self.chunk_size)
 
+    def streams(self, index: int, before: int = 0) -> Iterator[tuple[Stream, int, range]]:
+        """The random streams of a chunk, each with how many samples it gives and which of them the chunk has.
+
+        before: how many other streams the run has, which are numbered first.
+        """
+        first = index * self.chunk_size
+        end = min(first + self.chunk_size, self.samples)
+        for begin in range(first - first % PER_STREAM, end, PER_STREAM):
+            own = range(max(first - begin, 0), min(end - begin, PER_STREAM))
+            random = numbered_stream(self.seed, before + begin // PER_STREAM)
+            yield random, min(PER_STREAM, self.samples - begin), own
+
+    def drawn(self, index: int) -> int:
+        return sum(count for _, count, _ in self.streams(index))
+
     def blocks(self, index: int) -> Iterator[Any]:
-        """What `observe` takes, block by block."""
-        count = self.length(index)
-        drawn = self.draw(chunk_stream(self.seed, index), count)
-        for first in range(0, count, self.block):
-            yield {name: values[first : first + self.block] for name, values in drawn.items()}
+        """What `observe` takes, block by block.
+
+        A chunk that is a part of a stream draws also what comes before its own samples, and with them.
+        """
+        for random, due, own in self.streams(index):
+            for first in range(0, own.stop, self.drawn_at_once):
+                count = min(self.drawn_at_once, due - first)
+                drawn = self.draw(random, count)
+                if wrong := {*map(len, drawn.values())} - {count}:
+                    raise RunError(f"scene {self.name}: draw gives {min(wrong)} samples, not {count}")
+                for low in range(max(own.start - first, 0), min(own.stop - first, count), self.block):
+                    rows = slice(low, min(low + self.block, own.stop - first))
+                    yield {name: values[rows] for name, values in drawn.items()}
 
     def chunk(self, index: int) -> tuple[Table, Any]:
         tally, kept = self.tally(), []
@@ -192,9 +244,7 @@ class SampledScene(Scene):
             self.count(tally, table)
             kept.append(self.kept(table))
         if (counted := sum(tally.status.values())) != (due := self.length(index)):
-            raise RunError(
-                f"scene {self.name}: draw and observe give {counted} samples, not {due}; give one row a sample"
-            )
+            raise RunError(f"scene {self.name}: observe gives {counted} samples, not {due}; give one row a sample")
         return joined(kept), tally
 
     def checked(self, table: Table) -> Table:

@@ -9,12 +9,12 @@ import numpy as np
 from explorer import compiled
 from explorer.errors import InputError, RunError
 from explorer.measure.density import ANY_ENERGY, Density, Function
-from explorer.measure.sampling import Box, Range, Ranges, Stream, box_of, chunk_stream, in_radians, signs
+from explorer.measure.sampling import Box, Range, Ranges, Stream, box_of, in_radians, numbered_stream, signs
 from explorer.phase.disk import SYNTAX, Disk, require_axial_inertia
 from explorer.phase.states import Array, States
 from explorer.scenes.given_states import Block, GivenStates, coordinates_of
 from explorer.scenes.options import DENSITY, DISK, GAUSSIANS, OPEN_RANGE, RANGES, TRUTH, Reader, option
-from explorer.scenes.scene import SAMPLES, SampledScene, Table, joined
+from explorer.scenes.scene import SAMPLES, SampledScene, Table
 
 _LOOKED_AT = 1_000_000  # rows of given states, when those are named that are none
 # In natural units: where doubles still have all their digits, and where "near F" loses its meaning.
@@ -57,7 +57,7 @@ class FromDensity(SampledScene):
         object.__setattr__(self, "degrees", False)  # from here on all are in rad
         if self.box is not None:
             # An energy or a density that the box does not reach is refused before anything is written.
-            self.draw(chunk_stream(self.seed, 0), 1)
+            self.draw(numbered_stream(self.seed, 0), 1)
 
     def box_of(self, given: dict[str, Range] | None) -> Ranges:
         """The box that ranges describe; what is left out has its natural range."""
@@ -105,7 +105,7 @@ class FromStates(FromDensity):
         follows=lambda self, given: given and given.of_degrees(self.degrees),
     )
 
-    drawn_at_once: ClassVar[int] = 1 << 14  # another number would give other samples
+    drawn_at_once: ClassVar[int] = 1 << 14
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -131,26 +131,22 @@ class FromStates(FromDensity):
 
     def blocks(self, index: int) -> Iterator[Block]:
         """The states of a chunk, block by block."""
-        count, random = self.length(index), chunk_stream(self.seed, index)
-        given = None
         if self.states is not None:
+            count = self.length(index)
             given = self.states.read(self.disk, index * self.chunk_size, count)
-        for first in range(0, count, self.block):
-            size = min(self.block, count - first)
-            if given is not None:
-                yield given.at(np.arange(first, first + size))
-            else:
-                parts = range(0, size, self.drawn_at_once)
-                columns = joined([self.draw(random, min(self.drawn_at_once, size - part)) for part in parts])
-                states = self.box.states(self.disk, columns)
-                known = columns if isinstance(self.box, Box) else coordinates_of(states)
-                yield Block(states, known, {name: columns[name] for name in columns if name not in known})
+            for first in range(0, count, self.block):
+                yield given.at(np.arange(first, min(first + self.block, count)))
+            return
+        for columns in super().blocks(index):
+            states = self.box.states(self.disk, columns)
+            known = columns if isinstance(self.box, Box) else coordinates_of(states)
+            yield Block(states, known, {name: columns[name] for name in columns if name not in known})
 
     def first_states(self, count: int, seed: int = 0) -> States:
         """A few states like those of the run: the same whatever its seed is, so that runs can be merged."""
         if self.states is not None:
             return self.states.read(self.disk, 0, min(count, self.samples)).states
-        return self.box.states(self.disk, self.draw(chunk_stream(seed, 0), count))
+        return self.box.states(self.disk, self.draw(numbered_stream(seed, 0), count))
 
     def states_among(self, status: Mapping[str, int]) -> int:
         """How many samples are states; the others are bad input, and in no statistic. Raises RunError for 0."""

@@ -47,12 +47,14 @@ _BEYOND = 3  # a verdict that awaits the barrier's
 
 
 class Draw(NamedTuple):
-    """Where states come from: the stream of a chunk, and the box, four rows each, in the units of the disk.
+    """Where states come from: the streams of a chunk, and the box, four rows each, in the units of the disk.
 
-    block: states for which each free coordinate is drawn before the next one is. unit: sqrt(g/r).
+    keys: of all streams, one after the other. stream: how many states each of them gives, in whole blocks. block:
+    states for which each free coordinate is drawn before the next one is. unit: sqrt(g/r).
     """
 
     keys: Words
+    stream: int
     low: Vector
     width: Vector
     block: int
@@ -276,13 +278,13 @@ def count_distances(W: Vector, bins: Counts) -> None:
 
 
 @subroutine
-def draw_block(place: int, size: int, draw: Draw, words: Words, numbers: Vector) -> None:
+def draw_block(place: int, size: int, keys: Words, draw: Draw, words: Words, numbers: Vector) -> None:
     """Random numbers of GROUPS groups of lanes, a row for each free coordinate; `place`: of the first one."""
     row = 0
     for c in range(_COORDINATES):
         if draw.width[c] > 0.0:
             first = row * philox.WORDS
-            philox.uniforms(place + row * size, draw.keys, words, numbers[first : first + philox.WORDS])
+            philox.uniforms(place + row * size, keys, words, numbers[first : first + philox.WORDS])
             row += 1
 
 
@@ -301,11 +303,12 @@ def sift_batch(draw: Draw, count: int, sieve: Sieve, disk: Disk, whole: Whole, f
         W[_Z * LANES : (_Z + 1) * LANES] = math.sin(draw.low[_PHI])
         at_tilts(W, whole, b)
     for block in range(0, count, draw.block):
-        size = min(draw.block, count - block)
+        size, place = min(draw.block, count - block), free * (block % draw.stream)
+        keys = draw.keys[block // draw.stream * philox.KEYS :][: philox.KEYS]
         for first in range(0, size, LANES):
             lane = first % philox.WORDS
             if lane == 0:
-                draw_block(free * block + first, size, draw, words, numbers)
+                draw_block(place + first, size, keys, draw, words, numbers)
             coordinates(numbers, lane, draw, W)
             if not fixed:
                 tilts(W)

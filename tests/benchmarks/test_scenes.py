@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
-from explorer.measure.sampling import chunk_stream
 from explorer.measure.sifting import sift
 from explorer.phase.falling_set import obstacle
 from explorer.phase.states import phi_to_states
@@ -40,7 +39,8 @@ def test_a_chunk_of_a_large_run(benchmark, what):
     scene = FallingSet(samples=STATES, chunk_size=STATES, theta_min="near")
     counts = scene.chunk(0)[1]
     if what == "one pass":
-        found = benchmark(lambda: sift(scene.disk, scene.box, chunk_stream(0, 0), (STATES, 1 << 14), scene.tube))
+        streams = [random for random, _, _ in scene.streams(0)]
+        found = benchmark(lambda: sift(scene.disk, scene.box, streams, (STATES, 1 << 14), scene.tube))
         assert found.could_fall == counts.could_fall
         return
     if what == "block by block":

@@ -50,7 +50,7 @@ OUT = Path(__file__).parents[2] / "results" / "faults" / "moments.md"
 # By a slow method, so that most of a run is the making of chunks and not its beginning and its end.
 METHOD = {"method": "rk4", "accuracy": 1e-7}
 CHUNKS = 10
-OPTIONS = {"scene": "race-angles", "samples": 20_000, "chunk_size": 20_000 // CHUNKS, "keep": "all", **METHOD}
+OPTIONS = {"scene": "race-angles", "samples": CHUNKS * 2048, "chunk_size": 2048, "keep": "all", **METHOD}
 _UGLY = ("Traceback", "Fatal Python", "Exception ignored", "terminate called", "Warning", "leaked")
 _ORPHANS, _ENDS = 30.0, 60.0  # seconds
 
@@ -190,11 +190,11 @@ def look(words, folder, digest):
     return broken
 
 
-def moments(place, backend, count, seed, samples):
+def moments(place, backend, count, seed, chunk_size):
     """Stop `count` runs of a backend at random moments; a line for each."""
     place.mkdir(parents=True, exist_ok=True)
     scene = place / "races.toml"
-    options = {**OPTIONS, "samples": samples, "chunk_size": samples // CHUNKS}
+    options = {**OPTIONS, "samples": CHUNKS * chunk_size, "chunk_size": chunk_size}
     scene.write_text("".join(f"{key} = {value!r}\n" for key, value in options.items()))
     asked = ["run", scene, "--no-figures", "--resume", "--out"]
     by = ["--backend", "threads", "--jobs", 1] if backend == "serial" else ["--backend", backend]
@@ -262,8 +262,8 @@ if __name__ == "__main__":
         sys.exit(table(Path(sys.argv[2])))
     compiled.warmup(scene_class("race-angles").of(METHOD).kernels)
     try:
-        count, seed, samples = map(int, (*sys.argv[3:], OPTIONS["samples"])[:3])
-        moments(Path(sys.argv[1]), sys.argv[2], count, seed, samples)
+        count, seed, chunk_size = map(int, (*sys.argv[3:], OPTIONS["chunk_size"])[:3])
+        moments(Path(sys.argv[1]), sys.argv[2], count, seed, chunk_size)
     except Child as child:
         sys.argv = ["nearflat", *child.args[0]]
         sys.exit(main())

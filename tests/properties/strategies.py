@@ -94,7 +94,7 @@ SENSIBLE = {
     "text": st.sampled_from(["uniform", "annulus:0.4", "m=1,r=2,I1=1,I3=flat", "hoop:m=2", "unifrom", "hoop:m=x"]),
     "scene": st.sampled_from(["race-angles", "falling-set"]),
     **dict.fromkeys(("I1", "I3", "m", "r", "g", "inner", "lean", "radius"), scalars),
-    "chunk_size": st.sampled_from([30, 100]),
+    "chunk_size": st.sampled_from([32, 128]),
 }
 
 

@@ -26,7 +26,7 @@ def edits(draw):
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
     """A finished run, and another of other samples."""
-    asked = {"samples": 60, "chunk_size": 30, "eta_hat": "1e-4:1e-2", "keep": "all", "figures": False}
+    asked = {"samples": 64, "chunk_size": 32, "eta_hat": "1e-4:1e-2", "keep": "all", "figures": False}
     place = tmp_path_factory.mktemp("runs")
     return [ex.run("race-angles", out=place / f"{seed}", seed=seed, **asked) for seed in (1, 2)]
 

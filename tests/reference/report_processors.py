@@ -18,8 +18,8 @@ import numpy as np
 
 OUT = Path(__file__).parents[2] / "results" / "processors"
 SCENES = {
-    "race-angles": {"samples": 100_000, "chunk_size": 20_000, "eta_hat": "1e-9:1e-2", "keep": "all"},
-    "falling-set": {"samples": 100_000, "chunk_size": 20_000, "grid": 3, "keep": "all"},
+    "race-angles": {"samples": 100_000, "chunk_size": 32_768, "eta_hat": "1e-9:1e-2", "keep": "all"},
+    "falling-set": {"samples": 100_000, "chunk_size": 32_768, "grid": 3, "keep": "all"},
 }
 # What numpy and glibc choose anew on every start, without any compilation.
 _NO_512 = {

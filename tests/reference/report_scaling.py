@@ -6,7 +6,6 @@ Every row is measured in a process of its own, after warming up, so that memory 
 """
 
 import json
-import os
 import resource
 import subprocess
 import sys
@@ -15,6 +14,7 @@ import time
 from functools import partial
 from pathlib import Path
 
+import joblib
 import numpy as np
 import second_job
 from matplotlib.figure import Figure
@@ -175,7 +175,7 @@ def sizes():
     rows = []
     for name, sizes in (("states", STATES), ("passages", PASSAGES)):
         for samples in sizes:
-            for jobs in (1, 2) if (os.cpu_count() or 1) > 1 else (1,):
+            for jobs in (1, 2) if joblib.cpu_count() > 1 else (1,):
                 rows.append((name, samples, jobs, *measure(name, samples, jobs)))
                 print(rows[-1], flush=True)
     save(draw(rows), OUT / "scaling.png")

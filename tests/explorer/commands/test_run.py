@@ -74,7 +74,7 @@ out = '{tmp_path / "run"}'
 
 @pytest.fixture
 def run(tmp_path):
-    return ex.run("race-angles", out=tmp_path / "run", samples=5000, chunk_size=1000, figures=False)
+    return ex.run("race-angles", out=tmp_path / "run", samples=5000, chunk_size=1024, figures=False)
 
 
 def test_status_and_verify_give_objects_too(run, capsys):

@@ -9,7 +9,7 @@ from scipy.stats import kstest, truncnorm
 
 import explorer as ex
 from explorer.measure.density import ANY_ENERGY, Density
-from explorer.measure.sampling import BLOCK, Box, chunk_stream
+from explorer.measure.sampling import BLOCK, Box, numbered_stream
 from explorer.phase.states import phi_to_states
 
 UNIFORM = BODIES["uniform"]
@@ -48,28 +48,28 @@ def test_a_wide_gaussian_may_lie_far_from_the_box():
 
 
 def test_draws_follow_the_gaussian_and_the_function():
-    bell = Density.of(UNIFORM, BOX, gaussian="phidot=0.5:0.3").draw(UNIFORM, chunk_stream(1, 0), 5000)
+    bell = Density.of(UNIFORM, BOX, gaussian="phidot=0.5:0.3").draw(UNIFORM, numbered_stream(1, 0), 5000)
     ends = (-1.0 - 0.5) / 0.3, (3.0 - 0.5) / 0.3
     assert kstest(bell["phidot"], truncnorm(*ends, loc=0.5, scale=0.3).cdf).pvalue > 1e-3
-    slope = Density.of(UNIFORM, BOX, density=lambda phi, *_: 1.0 + phi).draw(UNIFORM, chunk_stream(1, 1), 5000)
+    slope = Density.of(UNIFORM, BOX, density=lambda phi, *_: 1.0 + phi).draw(UNIFORM, numbered_stream(1, 1), 5000)
     assert kstest(slope["phi"], lambda phi: 0.25 * (1.0 + phi) ** 2).pvalue > 1e-3
 
 
 def test_draws_stay_in_the_range_of_energy():
     density = Density.of(UNIFORM, "phi=-1:1", (1.5, 2.5))
-    drawn = density.draw(UNIFORM, chunk_stream(2, 0), 3000)
+    drawn = density.draw(UNIFORM, numbered_stream(2, 0), 3000)
     energy = phi_to_states(UNIFORM, **drawn).motion.energy
     assert ((energy >= 1.5) & (energy <= 2.5)).all()
 
 
 def test_a_function_that_exceeds_its_looked_up_maximum_is_refused():
-    drawn = Density.of(UNIFORM, BOX).box.draw(chunk_stream(3, 0), BLOCK)["phi"][0]
+    drawn = Density.of(UNIFORM, BOX).box.draw(numbered_stream(3, 0), BLOCK)["phi"][0]
 
     def peak(phi, *_):
         return np.where(phi == drawn, 1e6, 1.0)
 
     with pytest.raises(ex.InputError, match=r"more than 1\.5 times"):
-        Density.of(UNIFORM, BOX, density=peak).draw(UNIFORM, chunk_stream(3, 0), 10)
+        Density.of(UNIFORM, BOX, density=peak).draw(UNIFORM, numbered_stream(3, 0), 10)
 
 
 def test_a_function_of_another_shape_is_refused():

@@ -7,7 +7,7 @@ from scipy.stats import kstest
 
 import explorer as ex
 from explorer.measure.density import Density
-from explorer.measure.sampling import Box, box_of, chunk_stream, log_uniform, read_ranges
+from explorer.measure.sampling import Box, box_of, log_uniform, numbered_stream, read_ranges
 from explorer.phase.states import phi_to_states
 
 UNIFORM = BODIES["uniform"]
@@ -15,7 +15,7 @@ WIDE = Box((-1.0, 1.2), (-2.0, 2.0), (0.5, 0.5), (-1.0, 3.0))
 
 
 def test_draws_are_uniform_in_the_box_and_fixed_coordinates_are_fixed():
-    columns = WIDE.draw(chunk_stream(0, 0), 20_000)
+    columns = WIDE.draw(numbered_stream(0, 0), 20_000)
     assert (columns["sigma3"] == 0.5).all()
     for name in WIDE.free:
         low, high = WIDE.ranges[name]
@@ -23,10 +23,10 @@ def test_draws_are_uniform_in_the_box_and_fixed_coordinates_are_fixed():
 
 
 def test_a_chunk_depends_on_seed_and_place_alone():
-    again = [WIDE.draw(chunk_stream(7, 3), 5)["phi"] for _ in range(2)]
+    again = [WIDE.draw(numbered_stream(7, 3), 5)["phi"] for _ in range(2)]
     np.testing.assert_array_equal(*again)
-    assert not np.array_equal(again[0], WIDE.draw(chunk_stream(7, 4), 5)["phi"])
-    assert not np.array_equal(again[0], WIDE.draw(chunk_stream(8, 3), 5)["phi"])
+    assert not np.array_equal(again[0], WIDE.draw(numbered_stream(7, 4), 5)["phi"])
+    assert not np.array_equal(again[0], WIDE.draw(numbered_stream(8, 3), 5)["phi"])
 
 
 # The first doubles of Philox, seed 0, chunk 0.
@@ -35,16 +35,16 @@ STREAM = ["0x1.7140b364494fdp-1", "0x1.b924c9003caa0p-6", "0x1.9c32fa6c393e4p-2"
 
 def test_the_first_draws_of_a_stream_never_change():
     """A run must be repeatable with later releases: these bits are part of the format."""
-    got = chunk_stream(0, 0).random(3)
+    got = numbered_stream(0, 0).random(3)
     assert [x.hex() for x in got] == STREAM
 
 
 def test_an_energy_cut_keeps_the_measure_below_it():
-    columns = Density(WIDE, (-np.inf, 2.0)).draw(UNIFORM, chunk_stream(1, 0), 5_000)
+    columns = Density(WIDE, (-np.inf, 2.0)).draw(UNIFORM, numbered_stream(1, 0), 5_000)
     states = phi_to_states(UNIFORM, **columns)
     assert len(states) == 5_000
     assert (states.motion.energy <= 2.0).all()
-    plain = WIDE.draw(chunk_stream(2, 0), 60_000)
+    plain = WIDE.draw(numbered_stream(2, 0), 60_000)
     below = phi_to_states(UNIFORM, **plain).motion.energy <= 2.0
     low, high = np.quantile(plain["sigma4"][below], [0.2, 0.8])
     inside = (columns["sigma4"] > low) & (columns["sigma4"] < high)
@@ -53,7 +53,7 @@ def test_an_energy_cut_keeps_the_measure_below_it():
 
 def test_an_energy_below_the_whole_box_is_refused_in_words():
     with pytest.raises(ex.InputError, match="widen it or shrink the box"):
-        Density(WIDE, (-np.inf, 0.1)).draw(UNIFORM, chunk_stream(1, 0), 10)
+        Density(WIDE, (-np.inf, 0.1)).draw(UNIFORM, numbered_stream(1, 0), 10)
 
 
 @pytest.mark.parametrize(
@@ -82,7 +82,7 @@ def test_what_a_box_leaves_out_keeps_its_default():
 
 
 def test_log_uniform_covers_its_decades_evenly():
-    values = np.log10(log_uniform(chunk_stream(3, 0).random(20_000), 1e-6, 1e-2))
+    values = np.log10(log_uniform(numbered_stream(3, 0).random(20_000), 1e-6, 1e-2))
     assert kstest(values, "uniform", args=(-6, 4)).pvalue > 1e-4
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
-from explorer.measure.sampling import Box, box_of, chunk_stream
+from explorer.measure.sampling import Box, box_of, numbered_stream
 from explorer.measure.sifting import in_lanes, sift
 from explorer.scenes.falling_set import FallingSet
 
@@ -76,7 +76,7 @@ def test_distances_at_the_edges_of_bins_are_placed_as_the_librarys_logarithm_pla
     disk = BODIES["uniform"]
     for exponent in (-3, -2, -1):
         box = Box((0.0, 0.0), (1.0, 1.0), (0.0, 0.0), (10.0**exponent, 10.0**exponent))
-        found = sift(disk, box, chunk_stream(0, 0), (64, 64), 1.0)
+        found = sift(disk, box, [numbered_stream(0, 0)], (64, 64), 1.0)
         distance = found.distance.row()
         assert distance.total == found.could_fall == 64
         (filled,) = np.flatnonzero(distance.counts)

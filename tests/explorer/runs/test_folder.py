@@ -11,9 +11,10 @@ from coins import SMALL, Coins
 import explorer as ex
 from explorer import compiled
 from explorer.runs.folder import FORMAT, opened, read_record
+from explorer.scenes import falling_set
 from explorer.scenes import scene as scenes
 
-RACES = {"samples": 300, "seed": 5, "eta_hat": "1e-4:1e-2", "chunk_size": 100, "figures": False}
+RACES = {"samples": 300, "seed": 5, "eta_hat": "1e-4:1e-2", "chunk_size": 128, "figures": False}
 
 
 def rewritten(run, **changes):
@@ -37,7 +38,7 @@ def test_run_json_says_what_was_asked_what_computed_it_and_on_what(finished):
     assert record["kernels"] == compiled.source_digest()
     assert record["from"] == f"{Path(sys.modules['coins'].__file__).resolve()}:Coins"
     assert len(record["code"]) == 16
-    assert (record["jobs"], record["backend"], record["chunks_computed"]) == (2, "threads", 5)
+    assert (record["backend"], record["chunks_computed"]) == ("threads", 5)
     assert record["started"] < record["finished"]
     assert {"python", "numpy", "nearflat"} < {*record["versions"]}
 
@@ -59,7 +60,7 @@ def test_a_folder_remembers_the_file_of_a_user_s_scene(finished, monkeypatch):
     [
         ({}, {"seed": 9}, "run with seed = 5, now seed = 9"),
         ({}, {"bias": 0.25}, "run with bias = 0.5, now bias = 0.25"),
-        ({}, {"samples": 2000}, "run with samples = 3000, now samples = 2000"),
+        ({}, {"samples": 2000}, "run with samples = 2500, now samples = 2000"),
         ({"kernels": "0" * 64}, {}, "the kernels of nearflat were changed since"),
         ({"code": "1" * 16}, {}, r"coins\.py:Coins was changed since; put that file back"),
     ],
@@ -79,14 +80,32 @@ def test_a_run_is_not_continued_by_what_would_compute_other_numbers(record, opti
     )
 
 
-def test_samples_may_be_added_and_the_short_last_chunk_is_computed_anew(finished, capsys):
-    before = {chunk.name for chunk in finished.chunks}
-    longer = ex.run(Coins, out=finished.folder, **{**SMALL, "samples": 5000})
-    assert longer.summary == ex.run(Coins, **{**SMALL, "samples": 5000}).summary
-    assert len(before & {chunk.name for chunk in longer.chunks}) == 4
-    assert "it was the last of a run of fewer samples; it is computed anew" in capsys.readouterr().err
-    assert not (finished.folder / "bad").exists()
+@pytest.mark.parametrize(("chunk_size", "kept"), [(1 << 14, 8), (1 << 16, 2), (1 << 17, 1), (1 << 20, 0)])
+def test_samples_may_be_added_and_what_was_drawn_for_fewer_is_computed_anew(chunk_size, kept, tmp_path, capsys):
+    """Of 150,000 samples two random streams are used up, and chunks of these stay."""
+    how = {"chunk_size": chunk_size, "out": tmp_path / "run", "figures": False}
+    before = {chunk.name for chunk in ex.run(Coins, samples=150_000, **how).chunks}
+    longer = ex.run(Coins, samples=200_000, **how)
+    assert longer.summary == ex.run(Coins, samples=200_000, chunk_size=chunk_size).summary
+    assert len(before & {chunk.name for chunk in longer.chunks}) == kept
+    assert f"which are computed anew: {len(before) - kept}" in capsys.readouterr().err
+    assert not (tmp_path / "run" / "bad").exists()
     assert longer.verify() == []
+
+
+def test_a_run_goes_on_with_the_size_of_chunks_and_the_theta_min_that_it_began_with(tmp_path, monkeypatch):
+    monkeypatch.setattr(scenes, "MANY", 3000)
+    monkeypatch.setattr(falling_set, "MANY", 3000)
+    few, many = {"samples": 2000, "grid": 3, "figures": False}, {"samples": 4000, "grid": 3, "figures": False}
+    usual = ex.run("falling-set", **many).scene
+    assert (usual.theta_min, usual.chunk_size) == ("near", 1 << 20)
+    for said, stays in (({}, ("all", 1 << 16)), ({"theta_min": "none", "chunk_size": 512}, ("none", 512))):
+        folder = tmp_path / stays[0]
+        ex.run("falling-set", out=folder, **few, **said)
+        scene = ex.run("falling-set", out=folder, **many).scene
+        assert (scene.samples, scene.theta_min, scene.chunk_size) == (4000, *stays)
+        with pytest.raises(ex.InputError, match="chunk_size"):
+            ex.run("falling-set", out=folder, chunk_size=1024, **many)
 
 
 def test_what_becomes_of_a_run_that_is_there_is_said_by_exist(finished):

@@ -1,5 +1,6 @@
 """What is said about a run beside its question changes no number, and is refused in words."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -7,6 +8,9 @@ import pytest
 from coins import Coins
 
 import explorer as ex
+from explorer.commands.demo import Demo
+from explorer.commands.paper import Paper
+from explorer.runs.machine import machine
 from explorer.runs.settings import asked
 
 
@@ -15,6 +19,19 @@ def test_keywords_are_those_of_the_scene_and_those_of_the_run():
     assert (scene.samples, scene.bias) == (10, 0.25)
     assert (settings.jobs, settings.format, settings.out) == (3, ("pdf", "png"), None)
     assert (settings.exist, asked(Coins, {"exist": "error"})[1].exist) == ("resume", "error")
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="the system binds no process to a core")
+def test_by_default_there_are_as_many_workers_as_cores_that_the_process_may_use():
+    """What a batch system leaves to a job, and not what the machine has."""
+    allowed = os.sched_getaffinity(0)
+    try:
+        os.sched_setaffinity(0, {min(allowed)})
+        assert (asked(Coins, {})[1].jobs, Demo().jobs, Paper().jobs) == (1, 1, 1)
+        assert asked(Coins, {"jobs": 3})[1].jobs == 3
+        assert machine()["cores"] == 1
+    finally:
+        os.sched_setaffinity(0, allowed)
 
 
 def test_large_runs_and_those_of_the_command_line_have_a_folder_of_their_own(capsys):

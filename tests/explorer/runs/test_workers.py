@@ -22,7 +22,7 @@ from explorer.runs import workers
 from explorer.runs.folder import identity
 
 SCENE = f"{Path(coins.__file__).resolve()}:Coins"
-MANY = {"samples": 24_000, "chunk_size": 1000, "seed": 3, "keep": "all"}
+MANY = {"samples": 24_000, "chunk_size": 1024, "seed": 3, "keep": "all"}
 # The command hears Ctrl-C also where the suite runs in the background, where it would inherit that it is ignored.
 PROGRAM = """
 import signal, sys
@@ -200,7 +200,7 @@ class Faulty(Coins):
 @pytest.mark.parametrize("backend", ["threads", "processes"])
 def test_what_goes_wrong_in_a_chunk_comes_back_from_every_worker(backend):
     how = {"backend": backend, "jobs": 1, "progress": False, **SMALL}
-    with pytest.raises(ex.RunError, match="700 samples do not fit into memory; give a smaller chunk_size"):
+    with pytest.raises(ex.RunError, match="512 samples do not fit into memory; give a smaller chunk_size"):
         ex.run(Huge, **how)
     with pytest.raises(
         ex.RunError, match=r"test_workers\.py, line \d+, in draw: ZeroDivisionError: division by zero"
@@ -209,7 +209,7 @@ def test_what_goes_wrong_in_a_chunk_comes_back_from_every_worker(backend):
 
 
 def test_progress_is_shown_where_a_run_takes_longer_than_two_seconds(tmp_path):
-    given = ("--samples", 400, "--chunk-size", 100, "--jobs", 1, "--no-figures")
+    given = ("--samples", 512, "--chunk-size", 128, "--jobs", 1, "--no-figures")
     runs = [
         (shown, nearflat("run", SCENE, *given, *words, "--out", tmp_path / f"{seconds}{shown}", seconds=seconds))
         for seconds, words, shown in ((1.6, (), True), (1.6, ("--quiet",), False), (0.0, (), False))

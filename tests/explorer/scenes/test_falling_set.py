@@ -55,7 +55,7 @@ def test_the_integrated_valley_lies_on_the_exact_curve():
 def test_counts_are_complete_whatever_is_kept(theta_min):
     """Also where drawing, counting and sifting are one pass: what is kept are the rows near F of all."""
     scenes = {
-        keep: FallingSet(samples=40_000, chunk_size=15_000, theta_min=theta_min, keep=keep)
+        keep: FallingSet(samples=150_000, chunk_size=65_536, theta_min=theta_min, keep=keep)
         for keep in ("none", "near", "all")
     }
     summaries = {keep: scene.summarise(computed(scene)) for keep, scene in scenes.items()}

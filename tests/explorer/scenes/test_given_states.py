@@ -50,7 +50,7 @@ def test_a_stored_run_is_read_without_the_file_of_its_states_and_says_what_it_ca
     path, folder = tmp_path / "states.csv", tmp_path / "run"
     columns["sigma3"][7] = np.nan
     pd.DataFrame(columns).to_csv(path, index=False)
-    run = ex.run("falling-set", states=path, out=folder, figures=False, chunk_size=100)
+    run = ex.run("falling-set", states=path, out=folder, figures=False, chunk_size=128)
     path.rename(tmp_path / "moved.csv")
     assert said(capsys, "verify", folder)[:2] == (0, "intact\n")
     status, out, _ = said(capsys, "summary", folder)

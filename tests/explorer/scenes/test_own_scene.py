@@ -135,11 +135,11 @@ class Coins(SampledScene):
 
 
 def test_a_class_is_a_scene_of_python_and_its_runs_add_up():
-    runs = [ex.run(Coins, samples=3000, rng=seed, chunk_size=700) for seed in (1, 2)]
+    runs = [ex.run(Coins, samples=3000, rng=seed, chunk_size=512) for seed in (1, 2)]
     assert 0.45 < runs[0].summary["share"] < 0.55
     both = ex.merge(*runs)
     assert both.summary["share"] == pytest.approx(sum(run.summary["share"] for run in runs) / 2)
-    assert ex.run("coins", samples=3000, seed=1, chunk_size=700).summary["share"] == runs[0].summary["share"]
+    assert ex.run("coins", samples=3000, seed=1, chunk_size=512).summary["share"] == runs[0].summary["share"]
 
 
 RIGHT = """
@@ -177,7 +177,7 @@ class Coins(SampledScene):
         ("= HeadCounts,", "= dict,", "AttributeError: 'dict' object has no attribute 'status'"),
         ('("status",)', '("status", "theta_min")', "observe returns no column theta_min"),
         ("def draw", "def drawn", r"a scene offers draw(random, count)"),
-        ("random(count)", "random(3)", "draw and observe give 3 samples, not 100"),
+        ("random(count)", "random(3)", "draw gives 3 samples, not 100"),
         ('"status": 0', '"state": 0', "observe returns no column status; return a dict with it"),
         ('return {**drawn, "status"', 'drawn |= {"status"', "observe returns no column status"),
         (
@@ -322,7 +322,7 @@ def test_a_scene_in_a_script_runs_in_processes_and_its_folder_can_be_checked(tmp
     script, folder, log = tmp_path / "script.py", tmp_path / "run", tmp_path / "log"
     script.write_text(
         f"{RIGHT}\n\nif __name__ == '__main__':\n    import explorer as ex\n\n"
-        "    how = dict(samples=100, chunk_size=50, progress=False)\n"
+        "    how = dict(samples=100, chunk_size=64, progress=False)\n"
         f"    stored = ex.run(Coins, backend='processes', out={str(folder)!r}, **how)\n"
         "    assert stored.summary['digest'] == ex.run(Coins, **how).summary['digest']\n"
         f"    assert ex.open({str(folder)!r}).summary == stored.summary\n"

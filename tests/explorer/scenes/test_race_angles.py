@@ -133,7 +133,7 @@ def test_the_races_of_a_wobbling_coin_tend_to_kappa_pi_by_decade(wobbling, tmp_p
     path = tmp_path / "coin.csv"
     columns = np.column_stack(list(wobbling.values()))
     np.savetxt(path, columns, "%.17g", ",", header=",".join(wobbling), comments="")
-    options = {"disk": BODIES["coin"], "degrees": True, "chunk_size": 700, "figures": False}
+    options = {"disk": BODIES["coin"], "degrees": True, "chunk_size": 512, "figures": False}
     run = ex.run("race-angles", states=wobbling, out=tmp_path / "one", jobs=1, **options)
     other = ex.run("race-angles", states=path, out=tmp_path / "two", jobs=2, **options)
     assert run.summary["digest"] == other.summary["digest"]

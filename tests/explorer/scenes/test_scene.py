@@ -1,8 +1,14 @@
 """Scenes in general: chunks, and what they call."""
 
+import numpy as np
+import pandas as pd
 import pytest
 
 import explorer as ex
+from explorer.scenes import Counts, SampledScene
+from explorer.scenes.falling_set import FallingSet
+from explorer.scenes.measure_zero import MeasureZero
+from explorer.scenes.race_angles import Anywhere, NearF
 from explorer.scenes.scene import NAMES, scene_class
 from kernels._jit import Kernel
 
@@ -15,6 +21,88 @@ def test_chunks_cover_all_samples_once(name):
     assert min(lengths) > 0
     if options:
         assert sum(lengths) == 100_001
+
+
+class DoubleCounts(Counts):
+    low: int
+
+
+class Doubles(SampledScene):
+    """A user's, which draws two columns and counts one."""
+
+    tally = DoubleCounts
+
+    def draw(self, random, count):
+        return {"one": random.random(count), "two": random.random(count)}
+
+    def observe(self, drawn):
+        return {**drawn, "status": np.zeros(drawn["one"].size, np.int8)}
+
+    def count(self, tally, table):
+        tally.low += int((table["two"] < 0.3).sum())
+
+
+# Scenes whose samples are drawn in all ways that there are: in one pass, by rejection, column by column.
+DRAWN = {
+    "races": (NearF, {}),
+    "bounces": (Anywhere, {"bounces": 2}),
+    "states near F": (FallingSet, {"theta_min": "near"}),
+    "states": (FallingSet, {"keep": "all"}),
+    "states of an energy": (FallingSet, {"theta_min": "near", "energy": "1:3"}),
+    "a bell of tilts": (FallingSet, {"box": "tilt=0.2:1,precession=-1:1,spin=0:1", "gaussian": "tilt=0.5:0.1"}),
+    "a function": (FallingSet, {"theta_min": "near", "density": lambda phi, phidot, *_: 1.0 + phidot**2}),
+    "rare falls": (MeasureZero, {"tube": 100, "ladder": "1e-8:1e-1"}),
+    "a user's": (Doubles, {}),
+}
+
+
+@pytest.mark.parametrize("way", DRAWN)
+def test_samples_and_counts_do_not_depend_on_the_size_of_chunks(way):
+    """Sums are rounded otherwise where they are of other parts, and what is drawn in one pass to a few units."""
+    (kind, options), found = DRAWN[way], []
+    for chunk_size in (1024, 1 << 16, 1 << 20):
+        run = ex.run(kind, progress=False, **options, samples=70_000, seed=3, chunk_size=chunk_size)
+        found.append((run.frame(), run.summary))
+    assert len(found[0][0]) > 0
+    for rows, summary in found[1:]:
+        pd.testing.assert_frame_equal(rows, found[0][0], check_exact=True)
+        assert_alike(summary, found[0][1])
+
+
+def assert_alike(one, other):
+    """Equal numbers, but for the last digits of what is no whole number."""
+    if isinstance(one, dict):
+        assert one.keys() == other.keys()
+        for name in one.keys() - {"chunk_size", "digest"}:
+            assert_alike(one[name], other[name])
+    elif isinstance(one, list):
+        assert len(one) == len(other)
+        for each, same in zip(one, other, strict=True):
+            assert_alike(each, same)
+    else:
+        assert one == (pytest.approx(other, rel=1e-10, abs=1e-12) if isinstance(other, float) else other)
+
+
+def test_a_longer_run_has_the_samples_of_a_shorter_one_where_a_stream_is_used_up():
+    short, long = (NearF(samples=samples, keep="all").chunk(0)[0] for samples in (65_536, 70_000))
+    assert short.keys() == long.keys()
+    for name, values in short.items():
+        np.testing.assert_array_equal(values, long[name])
+
+
+@pytest.mark.parametrize(
+    ("given", "nearest"), [(1000, 1024), (777, 1024), (3, 2), (70_000, 65_536), (1e6, 983_040)]
+)
+def test_a_size_of_chunks_that_cuts_streams_unevenly_is_refused_with_the_nearest_that_does_not(given, nearest):
+    with pytest.raises(ex.InputError, match=f"chunk_size = .*the nearest is {nearest}$"):
+        FallingSet(chunk_size=given)
+    assert FallingSet(chunk_size=nearest).chunk_size == nearest
+
+
+@pytest.mark.parametrize("kind", [NearF, FallingSet, MeasureZero, Doubles])
+def test_a_large_run_without_rows_has_few_files(kind):
+    assert kind(samples=10**9, keep="none").chunk_size == 1 << 20
+    assert kind(samples=10**6, keep="none").chunk_size == kind(samples=10**9, keep="all").chunk_size == 1 << 16
 
 
 # Scenes in the ways that call different kernels, small.

@@ -9,7 +9,7 @@ from conftest import BODIES
 from scipy.stats import kstest
 
 import explorer as ex
-from explorer.measure.sampling import chunk_stream
+from explorer.measure.sampling import numbered_stream
 from explorer.scenes.falling_set import FallingSet
 from explorer.scenes.race_angles import RaceAngles
 from explorer.scenes.scene import scene_of
@@ -97,7 +97,7 @@ def test_ranges_of_a_box_are_those_that_probability_takes():
 def test_an_energy_cut_changes_which_states_are_drawn_and_nothing_else():
     """The kept states are the first of the box's own draws that lie below the energy."""
     scene = FallingSet(samples=3000, box="phi=-1:1", energy=":2", keep="all", seed=3)
-    drawn = scene.box.draw(chunk_stream(3, 0), 8192)
+    drawn = scene.box.draw(numbered_stream(3, 0), 8192)
     energy = ex.constants(ex.phi_to_states(scene.disk, **drawn)).energy
     np.testing.assert_array_equal(rows_of(scene)["phi"][:100], drawn["phi"][energy <= 2.0][:100])
     assert (energy > 2.0).any()
@@ -184,7 +184,7 @@ def test_what_has_no_tilt_says_where_to_ask():
 
 def test_starts_near_f_lie_in_the_box_and_on_both_faces_alike(body):
     box = BoxNearF.near(body, {})
-    start = box.starts(chunk_stream(1, 0), 4000)
+    start = box.starts(numbered_stream(1, 0), 4000)
     for values, span in (
         (start["face"] * start["phidot"], box.ranges["phidot"]),
         (start["sigma3_bar"], box.ranges["sigma3"]),
