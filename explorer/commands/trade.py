@@ -79,7 +79,7 @@ class Trading(Options):
         drawn = joined([block for index in range(scene.chunks) for block in scene.blocks(index)])
         passages = ReferencePassages(self.disk, starts_at_vertical(self.disk, *start_of(drawn)))
         first = {name: values[: self.motions] for name, values in drawn.items()}
-        motions = through_time(coordinates_to_states(self.disk, **first), self.t_end)
+        motions = through_time(coordinates_to_states(self.disk, degrees=False, **first), self.t_end)
         return [passages, motions] if self.motions else [passages]
 
 

@@ -139,9 +139,9 @@ class OneSided(Scene):
     def _approach(self, disk: Disk, base: int, start: dict[str, float]) -> Table:
         """All rungs of the ladder, both signs, beside one point of F."""
         eta_hat = np.concatenate([self.ladder(disk), -self.ladder(disk)])
-        limits = limits_from(coordinates_to_states(disk, eta_hat=0.0, **start))
+        limits = limits_from(coordinates_to_states(disk, degrees=False, eta_hat=0.0, **start))
         times, middle = sample_times(limits[1])
-        beside = coordinates_to_states(disk, eta_hat=eta_hat, **start)
+        beside = coordinates_to_states(disk, degrees=False, eta_hat=eta_hat, **start)
         motion = trajectories_by(beside, self.plan, times, QUANTITIES)
         assert motion.chi is not None
         fixed = {"base": base, "sigma3_bar": start["sigma3_bar"], "phidot": start["phidot"]}
@@ -193,7 +193,7 @@ class OneSided(Scene):
         for index, (disk, first, _) in enumerate(self.parts):
             if first:
                 continue
-            start = coordinates_to_states(disk, eta_hat=0.0, **self.starts(index)[0])
+            start = coordinates_to_states(disk, degrees=False, eta_hat=0.0, **self.starts(index)[0])
             both = both_sides(start)
             yield f"motion-{disk.name}", partial(one_sided.one_sided_motion, both)
             yield f"contact-{disk.name}", partial(one_sided.contact_paths, both)
