@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from kernels.disk import polynomials as polynomials
     from kernels.disk import sifting as sifting
     from kernels.near_flat import passages as passages
-    from kernels.near_flat import races as races
     from kernels.near_flat import tables as tables
     from kernels.steps import attempt as attempt
     from kernels.steps import curves as curves

@@ -1,4 +1,4 @@
-"""Starts at the vertical: what passages and their forces are asked for."""
+"""Passages from their starts at the vertical, as they are asked for and as they are followed."""
 
 from typing import NamedTuple
 
@@ -32,6 +32,27 @@ class VerticalStarts(NamedTuple):
         unit = disk.rate_unit
         eta = eta_hat_to_eta(disk.body, self.eta_hat / unit)
         return compiled.passages.Crossings(self.sigma3_bar / unit, eta, self.speed / unit)
+
+
+class Followed(NamedTuple):
+    """Passages (n) as a method has followed them, natural units, angles as on face +1.
+
+    speed: at the vertical, towards flat. turn_rate: sigma3/q at the flattest moment. error: of the angles (rad),
+    and relative of the time and of theta_min.
+    """
+
+    sigma3_bar: Array
+    eta: Array
+    speed: Array
+    face: Array
+    theta_min: Array
+    chi: Array
+    psi: Array
+    time: Array
+    turn_rate: Array
+    energy: Array
+    error: Array
+    status: NDArray[np.int8]
 
 
 def starts_at_vertical(disk: Disk, sigma3_bar: Array, eta_hat: Array, speed: Array, face: Array) -> VerticalStarts:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,7 +14,7 @@ from explorer.errors import InputError, jobs_of, positive
 from explorer.motion.arcs import OF_ANGLES
 from explorer.motion.error_estimates import accepted
 from explorer.motion.fall_integrals import departures_of_moving, fall_integrals
-from explorer.motion.passage_starts import VerticalStarts, starts_at_vertical
+from explorer.motion.passage_starts import Followed, VerticalStarts, starts_at_vertical
 from explorer.motion.passages_by_integration import by_integration
 from explorer.motion.passages_by_quadrature import by_quadrature
 from explorer.motion.plan import Plan, plan
@@ -190,11 +189,12 @@ def passages_by(
     edge: as `_edge_of`. tables: False for quadrature by arcs alone.
     """
     if how.method == "quadrature":
-        some = (rows_of(starts, rows) for rows in blocks(starts.status.size))
-        parts = (by_quadrature(disk, each, how, edge, tables) for each in some)
-        return _assemble(disk, starts, parts, how, edge), None
-    samples, steps = by_integration(disk, starts, how)
-    return _assemble(disk, starts, [samples], how, edge), steps
+        some = [rows_of(starts, rows) for rows in blocks(starts.status.size)]
+        return joined(
+            [_found(disk, each, by_quadrature(disk, each, how, edge, tables), how, edge) for each in some]
+        ), None
+    followed, steps = by_integration(disk, starts, how)
+    return _found(disk, starts, followed, how, edge), steps
 
 
 def reference_passages(disk: Disk, starts: VerticalStarts) -> Passages:
@@ -206,7 +206,7 @@ def passage_kernels(how: Plan) -> tuple[str, ...]:
     """The kernels of `passages` by a plan, for `compiled.warmup`; a few starts need another one."""
     steps = "algebra.constants_batch", "falling.line_chart_batch", how.kernel
     by = ("passages.passage_batch",) if how.method == "quadrature" else steps
-    return *by, "passages.fall_batch", "races.race_batch"
+    return *by, "passages.fall_batch"
 
 
 def _edge_of(window: float | None, method: str) -> float:
@@ -219,33 +219,51 @@ def _edge_of(window: float | None, method: str) -> float:
     return math.log1p(math.sqrt((1.0 - q) * (1.0 + q))) - math.log(q)
 
 
-@np.errstate(over="ignore")  # of starts that are no input
-def _assemble(
-    disk: Disk, starts: VerticalStarts, parts: Iterable[compiled.races.Samples], how: Plan, edge: float
-) -> Passages:
-    """Results in the units of the disk, with the fall taken out of chi. parts: samples of the starts, in order."""
-    races, n, first = compiled.races, starts.status.size, 0
-    by_integrals = how.method == "quadrature"
-    bounds = (how.accuracy, 0.0, OF_ANGLES) if by_integrals else (accepted(how, 0.0), _FLOOR, 0.0)
-    terms = races.Terms(*bounds)
-    units = races.Units(disk.time_unit, disk.energy_unit, disk.rate_unit, disk.race_limit)
-    out, status = np.empty((12, n)), np.empty(n, np.int8)
-    for samples in parts:
-        kinetic = 0.5 * disk.body.M * samples.speed**2
-        departures = departures_of_moving(disk, samples.sigma3_bar, samples.eta, kinetic, kinetic)
-        fall = fall_integrals(disk, departures, edge, how.accuracy)
-        falls = races.Falls(fall.time, fall.chi, departures.level, fall.error)
-        races.race_batch(samples, falls, terms, units, disk.natural, first, out)
-        status[first : first + samples.status.size] = samples.status
-        first += samples.status.size
-    found = races.RaceRow(*out)._asdict()
+@np.errstate(over="ignore", invalid="ignore")  # of what is no input, does not fall, or has no answer
+def _found(disk: Disk, starts: VerticalStarts, passage: Followed, how: Plan, edge: float) -> Passages:
+    """Results in the units of the disk; a race is chi less the angle of the fall. NaN is what is not known."""
+    code, status = compiled.status.Status, passage.status
+    kinetic = 0.5 * disk.body.M * passage.speed**2
+    departures = departures_of_moving(disk, passage.sigma3_bar, passage.eta, kinetic, kinetic)
+    fall = fall_integrals(disk, departures, edge, how.accuracy)
+    # With an energy up to V_0 nothing falls: such a passage has no race.
+    races = departures.level > 0.0
+
+    # The fall angle is a part of the race angle, and all there is of a fall.
+    ok, falls = status == code.OK, status == code.FALLS
+    part = np.where(falls, fall.error, np.where(races, 2.0 * fall.error, 0.0))
+    error = np.where(ok & (passage.error > part), passage.error, part)
+    if how.method == "quadrature":
+        allowed = np.fmax(how.accuracy, OF_ANGLES * (abs(passage.chi) + abs(passage.psi)))
+    else:
+        allowed = np.fmax(accepted(how, 0.0), _FLOOR * (1.0 + np.where(races, fall.time, 0.0)))
+    status = np.where((ok | falls) & ~(error <= allowed), code.STEP_LIMIT, status).astype(np.int8)
+
+    ok, falls, side = status == code.OK, status == code.FALLS, np.sign(passage.eta)
+    known, fall_angle = ok | falls, 2.0 * fall.chi
+    speed = np.sqrt(2.0 * disk.body.inv_M * np.where(races, departures.level, np.nan))
+
+    def where(these: NDArray[np.bool_], values: Any) -> Array:
+        return np.where(these, values, np.nan)
+
     return Passages(
         disk=disk,
         sigma3_bar=starts.sigma3_bar,
         eta_hat=starts.eta_hat,
         phidot=starts.speed,
         face=starts.face,
-        **(found | {"wrong_way": found["wrong_way"] != 0.0}),
+        race_angle=where(ok, passage.chi - fall_angle),
+        wrong_way=ok & (side != 0.0) & ~(passage.turn_rate * side > 0.0),
+        delta_chi=where(ok, passage.chi),
+        delta_psi=where(ok, passage.psi * passage.face),
+        fall_angle=where(known, fall_angle),
+        theta_min=where(known, np.where(falls, 0.0, passage.theta_min)),
+        duration=where(ok, passage.time * disk.time_unit),
+        fall_time=where(falls, fall.time * disk.time_unit),
+        energy=where(known, passage.energy * disk.energy_unit),
+        impact_speed=where(known, speed * disk.rate_unit),
+        limit=where(races & (status != code.BAD_INPUT), side * disk.race_limit),
+        error_estimate=where(known, error),
         status=status,
         method=how.method,
         model=how.level,

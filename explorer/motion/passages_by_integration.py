@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion.error_estimates import accepted
-from explorer.motion.passage_starts import VerticalStarts
+from explorer.motion.passage_starts import Followed, VerticalStarts
 from explorer.motion.plan import Plan
 from explorer.motion.turning_points import TurningPoints, turning_points
 from explorer.phase.coordinates import constants_to_states
@@ -17,9 +17,7 @@ from explorer.phase.states import Array, States
 _UNIT = 1e-15
 
 
-def by_integration(
-    disk: Disk, starts: VerticalStarts, how: Plan
-) -> "tuple[compiled.races.Samples, NDArray[np.int32]]":
+def by_integration(disk: Disk, starts: VerticalStarts, how: Plan) -> tuple[Followed, NDArray[np.int32]]:
     """Passages from the vertical to the turning point, doubled: the second half is the first run backwards.
 
     Also how many steps were attempted for each.
@@ -35,7 +33,7 @@ def by_integration(
     bar, eta, speed = starts.natural(disk)
     angles, rate = (2.0 * turn.chi, 2.0 * turn.psi * face), np.ascontiguousarray(turn.turn_rate)
     followed = turn.theta, *angles, 2.0 * turn.time, rate, states.motion.energy
-    return compiled.races.Samples(bar, eta, speed, face, *followed, error, status), turn.steps
+    return Followed(bar, eta, speed, face, *followed, error, status), turn.steps
 
 
 def followed_to_flattest(states: States, how: Plan, swing: Array | float = np.inf) -> tuple[TurningPoints, Array]:

@@ -7,7 +7,7 @@ from explorer import compiled
 from explorer.motion.arcs import from_place, next_inward, places
 from explorer.motion.fall_integrals import OF_FALL, by_tables
 from explorer.motion.orbits import ends_of, orbits_of
-from explorer.motion.passage_starts import VerticalStarts
+from explorer.motion.passage_starts import Followed, VerticalStarts
 from explorer.motion.plan import Plan
 from explorer.motion.starts import ArcStarts, kinetic
 from explorer.phase.disk import Disk
@@ -16,9 +16,7 @@ from explorer.phase.linear_constants import line_slope, rows_of
 from explorer.phase.states import Array
 
 
-def by_quadrature(
-    disk: Disk, starts: VerticalStarts, how: Plan, edge: float, tables: bool = True
-) -> "compiled.races.Samples":
+def by_quadrature(disk: Disk, starts: VerticalStarts, how: Plan, edge: float, tables: bool = True) -> Followed:
     """Passages as integrals: by the tables of the body where these serve, else as arcs.
 
     edge: how far below the vertical they start and stop, in x = ln tan(theta/2). tables: False for arcs alone.
@@ -42,7 +40,7 @@ def by_quadrature(
         energy = np.where(falls, energy_at(disk.body, speed, bar, line_slope(disk) * bar, 1.0), energy)
     error = np.fmax(found.angle_error, found.time_error)
     followed = found.theta_min, found.chi, found.psi, found.time, found.turn_rate
-    return compiled.races.Samples(bar, eta, speed, starts.face, *followed, energy, error, status)
+    return Followed(bar, eta, speed, starts.face, *followed, energy, error, status)
 
 
 @np.errstate(over="ignore", invalid="ignore")  # of motions that are no input

@@ -39,6 +39,8 @@ from kernels.types import Matrix, Vector
 
 POINTS = 16
 WIDEST = 0.5  # in x: so narrow a well needs no more points for all digits
+_FELT = 16.0 * EPSILON  # of the length: values at points that are off by less stay
+_LEAST = 1e-300  # what is never 0
 _FAR = END_ROWS  # rows of the end at the vertical, of the other face
 # INNER, OUTER: how much farther from each other the turning points are than they were found; SLACK: what rounding
 # leaves unknown of distances from them, as a share.
@@ -177,20 +179,21 @@ def set_right(A: Vector, i: int, wells: Wells, j: int, points: Points, b: Body) 
     Needs the share of K at the points. K by it is right but for a part that is linear in the distance.
     """
     shares, to, rest = A[_AT_POINTS + _BEND * POINTS * LANES + i :], wells.to_state[j], wells.from_state[j]
-    length, angle = to + rest, 2.0 * math.atan2(math.sqrt(to), math.sqrt(rest))
-    # The interpolating polynomial at the state and at both ends, and its slope in u = -cos(angle) at the state.
-    here, slope, inner, outer = 0.0, 0.0, 0.0, 0.0
+    length = to + rest
+    # The interpolating polynomial at the state and at both ends, and its slope in u = -cos(alpha) at the state, by
+    # the recurrences of cos(m alpha) and of sin(m alpha)/sin(alpha).
+    here, slope, inner, outer, turned = 0.0, 0.0, 0.0, 0.0, (rest - to) / length
+    cosine, next_cosine, ratio, next_ratio, sign = 1.0, turned, 0.0, 1.0, 1.0
     for m in range(POINTS):
         of_order = 0.0
         for n in range(POINTS):
             of_order += points.cosines[n, m] * shares[n * LANES]
-        before, now = 0.0, 1.0  # sin(m angle)/sin(angle), by Chebyshev's recurrence
-        for _ in range(m):
-            before, now = now, 2.0 * math.cos(angle) * now - before
-        here += of_order * math.cos(m * angle)
-        slope -= of_order * m * before
+        here += of_order * cosine
+        slope -= of_order * m * ratio
         inner += of_order
-        outer += of_order if m % 2 == 0 else -of_order
+        outer += of_order * sign
+        cosine, next_cosine = next_cosine, 2.0 * turned * next_cosine - cosine
+        ratio, next_ratio, sign = next_ratio, 2.0 * turned * next_ratio - ratio, -sign
     state = wells.state
     inv = 1.0 / (1.0 + state.r[j] * state.r[j])
     q = 2.0 * state.r[j] * inv
@@ -208,9 +211,8 @@ def set_right(A: Vector, i: int, wells: Wells, j: int, points: Points, b: Body) 
 
 @contracted_subroutine
 def weigh(A: Vector, i: int, points: Points, b: Body) -> None:
-    """Coefficients of the integrals in lane i, from values at the points."""
+    """Coefficients of the integrals in lane i, from values and the share of K at the points."""
     values = A[_AT_POINTS + i :]
-    multiply(A, i, _BEND, points.twice)
     for m in range(POINTS):
         scale = math.sqrt(0.5 * b.M / values[(_BEND * POINTS + m) * LANES])
         for row in range(3):
@@ -226,13 +228,17 @@ def well_batch(wells: Wells, points: Points, chart: Chart, out: Matrix) -> None:
     whole, state, vertical = out[:5], out[5:10], out[10:]
     for first in range(0, n, LANES):
         load(A, wells, first, chart)
-        for j in range(POINTS):
-            look(A, j, points.share[j], chart.body)
-        for i in range(min(LANES, n - first)):
-            multiply(A, i, _BEND, points.twice)
-            set_right(A, i, wells, first + i, points, chart.body)
-        for j in range(POINTS):
-            look(A, j, points.share[j], chart.body)
+        for again in range(2):
+            moved, last = 0.0, min(LANES, n - first)
+            for j in range(POINTS):
+                look(A, j, points.share[j], chart.body)
+            for i in range(last):
+                multiply(A, i, _BEND, points.twice)
+            for i in range(last if again == 0 else 0):
+                set_right(A, i, wells, first + i, points, chart.body)
+                moved = max(moved, (abs(A[_INNER + i]) + abs(A[_OUTER + i])) / (A[_L + i] + _LEAST))
+            if moved <= _FELT:
+                break
         for i in range(min(LANES, n - first)):
             j, inner, outer = first + i, A[_INNER + i], A[_OUTER + i]
             weigh(A, i, points, chart.body)
