@@ -182,9 +182,7 @@ def motion_constants(found: Bounces) -> dict[str, NDArray[Any]]:
     }
     tilt = np.where(np.isfinite(found.theta_min), found.theta_min, 1.0).ravel()
     chart = line_chart(disk, np.sin(tilt), np.cos(tilt))
-    sigma3 = chart.rates(
-        found._of_each_state(motion.sigma3_bar).ravel(), columns["eta_hat"].ravel() / disk.rate_unit
-    )[0]
+    sigma3 = chart.rates(found._of_each_state(motion.sigma3_bar).ravel(), eta_hat.ravel())[0]
     against = np.sign(sigma3).reshape(found.shape) != found.side
     return {name: np.where(ok, values, np.nan) for name, values in columns.items()} | {"wrong_way": ok & against}
 

@@ -43,7 +43,7 @@ def test_a_passage_keeps_to_the_ellipse_of_the_energy_at_flat():
 
 def test_passages_beside_f_measure_kappa_and_gaps_are_those_of_the_paper():
     """Race angles by quadrature, on both sides; the law eta ln(1/eta) leaves 1e-10 at 1e-12."""
-    disks = [HOOP, UNIFORM, BODIES["thick"], COIN, ex.Disk.uniform(r=4.0), ex.Disk.uniform(g=1e-16)]
+    disks = [HOOP, UNIFORM, BODIES["thick"], COIN, ex.Disk.uniform(r=4.0, g=1.0), ex.Disk.uniform(g=1e-16)]
     found = race_number_of(disks)
     np.testing.assert_allclose(found, [disk.kappa for disk in disks], rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(gap_of(found[:2]), [2.0 * np.pi - 4.599611, 1.483259], atol=1e-6)

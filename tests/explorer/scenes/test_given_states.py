@@ -314,8 +314,8 @@ def test_rows_without_numbers_are_told_with_their_cells_as_they_are_written(tmp_
 
 
 def test_a_folder_of_parquet_is_one_table_and_so_are_the_chunks_of_a_run(columns, tmp_path):
-    run = ex.run("falling-set", samples=500, keep="all", chunk_size=100, out=tmp_path / "mine", figures=False)
-    again = ex.run("falling-set", states=tmp_path / "mine" / "chunks", keep="all", chunk_size=130, jobs=1)
+    run = ex.run("falling-set", samples=500, keep="all", chunk_size=128, out=tmp_path / "mine", figures=False)
+    again = ex.run("falling-set", states=tmp_path / "mine" / "chunks", keep="all", chunk_size=256, jobs=1)
     np.testing.assert_allclose(again.frame()["theta_min"], run.frame()["theta_min"], rtol=1e-9)
     np.testing.assert_array_equal(again.frame()["given_theta_min"], run.frame()["theta_min"])
     assert again.frame()["row"].tolist() == list(range(500))
