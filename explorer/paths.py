@@ -2,6 +2,7 @@
 
 import errno
 import os
+import re
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,6 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from explorer.errors import InputError, said, shown
+
+# How pages of nearflat begin, in Markdown and in HTML
+_MADE = re.compile(rb"(# .*\s+Made by `|<!doctype html>[^{]*<meta name=.generator. content=.)nearflat")
 
 
 def path_of(name: str, value: Any) -> Path:
@@ -45,6 +49,26 @@ def made_folder(name: str, folder: Path) -> Path:
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
     except OSError as error:
         raise InputError(f"{name} {folder}: cannot be written ({error.strerror}); give another") from None
+    return folder
+
+
+def require_own(named: str, path: Path) -> None:
+    """Raise InputError where a page would be written over what nearflat has not made, also if only among it.
+
+    path: of the page, or of its folder.
+    """
+    page = path / "README.md" if path.is_dir() else path
+    own = page.is_file() and _MADE.match(page.read_bytes())
+    if not own and (any(path.iterdir()) if path.is_dir() else path.exists()):
+        raise InputError(f"{named}: holds what nearflat has not made; give another name")
+
+
+def own_folder(name: str, folder: Path) -> Path:
+    """Make a folder for a page and its pictures, or take one that has such a page. Raises InputError."""
+    require_own(f"{name} {folder}", folder)
+    page = made_folder(name, folder) / "README.md"
+    if not page.exists():  # so that a command that is stopped may be given again
+        page.write_text("# Not finished\n\nMade by `nearflat`.\n", encoding="utf-8")
     return folder
 
 

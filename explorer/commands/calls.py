@@ -39,7 +39,7 @@ def run(scene: str | type[Scene], **options: Any) -> Run:
     InputError
         For an option that the scene does not take or cannot use; raised before anything is written.
     RunError
-        If writing fails or no sample can be computed. What was finished is kept.
+        If writing fails or no sample can be computed. What was finished is kept, unless no sample is good.
 
     Examples
     --------

@@ -42,6 +42,7 @@ class Keywords(TypedDict, total=False):
     jobs: int | float | str
     backend: Literal['threads', 'processes', 'dask']
     scheduler: str
+    overfill: bool
     figures: bool
     format: str | Sequence[str]
     out: Path | str

@@ -6,10 +6,11 @@ from typing import Any
 
 from explorer import compiled
 from explorer.commands import Answer
-from explorer.errors import InputError, note
+from explorer.errors import note
 from explorer.motion.bounces import bounce_kernels
 from explorer.motion.compare import compare
 from explorer.motion.plan import plan
+from explorer.paths import own_folder
 from explorer.runs.run import execute
 from explorer.runs.settings import Settings
 from explorer.scenes.falling_set import FallingSet
@@ -55,9 +56,7 @@ def call(options: argparse.Namespace) -> Answer:
     from explorer.commands.pages import write_page
 
     given, quiet = Demo.of(Demo.said(options)), options.quiet
-    out, own = given.out, {PAGE, *(name for name, _, _ in _STEPS)}
-    if out.exists() and not (out.is_dir() and {path.name for path in out.iterdir()} <= own):
-        raise InputError(f"out {out}: is not empty and holds no earlier demo; give another folder")
+    out = own_folder("out", given.out)
     scenes = [scene_class(name).of({"seed": given.seed, **options}) for name, options, _ in _STEPS]
     methods, compared = _COMPARED
     called = [bounce_kernels(plan(("race_angle",), 1e-3, method)) for method in methods]

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from explorer.commands import Answer
 from explorer.errors import InputError, RunError
-from explorer.paths import made_folder, path_of
+from explorer.paths import made_folder, path_of, require_own
 from explorer.runs.folder import read_record
 
 KINDS = (".png", ".gif", ".webp")
@@ -44,7 +44,7 @@ def gallery(folder: Path | str) -> str:
     lines = [
         "# Results",
         "",
-        "Each picture is made by the command beside it, and this page by `nearflat gallery`. Click a picture to",
+        "Made by `nearflat gallery`. Each picture is made by the command beside it. Click a picture to",
         "see it in full size.",
     ]
     for question, cells in shown.items():
@@ -82,6 +82,7 @@ def call(options: argparse.Namespace) -> Answer:
     """Write the page."""
     page = path_of("DIR", options.folder) / "README.md"
     text = gallery(options.folder)
+    require_own(f"DIR {page}", page)
     made_folder("DIR", page.parent)
     page.write_text(text, encoding="utf-8")
     return Answer({"page": str(page)}, f"wrote {page}")

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from explorer.commands import Answer
 from explorer.errors import InputError, note, one_of
-from explorer.paths import made_folder
+from explorer.paths import own_folder
 from explorer.phase.disk import Disk
 from explorer.scenes.options import DISK, FOLDER, Options, Reader, option
 from explorer.scenes.portrait import Portrait
@@ -66,7 +66,7 @@ def call(options: argparse.Namespace) -> Answer:
         groups = [group for group in GROUPS if group not in RECORDED]
     command = "nearflat portrait" + (f" --only {asked.only}" if asked.only else "")
     parts = list[tuple[str, list[str], list[Path]]]()
-    made_folder("out", folder)
+    own_folder("out", folder)
     for group in groups:
         note(f"drawing {group}", options.quiet)
         recorded = group in RECORDED

@@ -1,7 +1,4 @@
-"""`nearflat run`, and what all commands about a scene share: how it is named, its options, and how a run is shown.
-
-Arrow is loaded when a run is made: `nearflat plan` does without.
-"""
+"""`nearflat run`, and what all commands about a scene share: its name, its options, and how a run is shown."""
 
 import argparse
 from collections.abc import Sequence

@@ -13,7 +13,7 @@ from explorer.measure.sampling import Range
 from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.reference_samples import ReferencePassages, ReferenceSamples, through_time
 from explorer.motion.work_precision import Measured, Row, measure
-from explorer.paths import made_folder
+from explorer.paths import own_folder
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.scenes.options import DISK, RANGE, RANGES, TRUTH, Options, Reader, option, whole_from
@@ -151,8 +151,8 @@ def call(options: argparse.Namespace) -> Answer:
     from explorer.pictures.style import SIZE
     from explorer.pictures.work_precision import work_precision
 
-    out = made_folder("out", options.out)
-    found = measured(Trading.of({**Trading.said(options), "progress": not options.quiet}))
+    asked = Trading.of({**Trading.said(options), "progress": not options.quiet})
+    out, found = own_folder("out", options.out), measured(asked)
     count = len(found.parts)
     figure = Figure(figsize=(SIZE[0], count * SIZE[1]), layout="constrained")
     for part, ax in zip(found.parts, figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0], strict=True):

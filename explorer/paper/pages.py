@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from explorer import compiled
-from explorer.errors import InputError, jobs_of, note
+from explorer.errors import jobs_of, note
 from explorer.paper import (
     figure_numbers,
     section_2,
@@ -21,7 +21,7 @@ from explorer.paper import (
 )
 from explorer.paper.figures import FIGURES, INFERRED, figure
 from explorer.paper.statement import ETA_HAT, FACTOR, Finding, Statement, chosen, shown
-from explorer.paths import made_folder, path_of
+from explorer.paths import made_folder, own_folder, path_of
 from explorer.phase.disk import Disk
 from explorer.pictures.register import save
 
@@ -138,14 +138,14 @@ def paper(out: Path | str, *, only: str | None = None, jobs: int = 2, quiet: boo
     Raises InputError for an unknown statement or a folder that cannot be written.
     """
     jobs, folder = jobs_of("jobs", jobs), path_of("out", out)
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"out {folder}: is a file; give a folder")
+    if only is None:
+        own_folder("out", folder)
     note("checking the statements", quiet)
     rows = check_all(only, jobs, quiet)
     if only is None:
         pages = {"statements.md": statements_page(rows), "misprints.md": misprints_page(rows)}
         for name, page in {**pages, "README.md": figures_page()}.items():
-            (made_folder("out", folder) / name).write_text(page, encoding="utf-8")
+            (folder / name).write_text(page, encoding="utf-8")
         for number in FIGURES:
             note(f"drawing figure {number}", quiet)
             one_figure(folder, number)

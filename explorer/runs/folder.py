@@ -32,6 +32,7 @@ from explorer.version import installed_version
 FORMAT = 3
 PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pandas", "pyarrow", "tqdm")
 _FOLDERS = ("chunks", "bad", "figures")  # which a run makes
+_STAY = ("chunk_size", "theta_min")  # which have other defaults in a longer run
 MADE_BY = ("kernels", "code")  # what decides the numbers beside the options
 
 
@@ -137,12 +138,6 @@ def differing(one: dict[str, Any], two: dict[str, Any]) -> Iterator[tuple[str, A
             yield key, here, there
 
 
-def continued(scene: Scene, record: dict[str, Any]) -> Scene:
-    """The scene as its folder has begun it, in what stays unless something else was given."""
-    kept: Any = {name: record["options"].get(name) for name in scene.stays}
-    return replace(scene, **kept) if kept else scene
-
-
 def require_same(folder: Path, record: dict[str, Any], scene: Scene) -> None:
     """Raise InputError where the folder holds another run; one of fewer samples is a part of the same."""
     for key, before, now in differing(record, identity(scene)):
@@ -161,6 +156,7 @@ def opened(folder: Path, scene: Scene, exist: str) -> Iterator[tuple[Scene, dict
 
     Raises InputError; then nothing is written.
     """
+    fresh = not folder.exists()
     record = made_folder("out", folder) / "run.json"
     own = {".lock", *_FOLDERS}
     if not record.exists() and any(path.name not in own and not path.match(".*.tmp") for path in folder.iterdir()):
@@ -180,29 +176,31 @@ def opened(folder: Path, scene: Scene, exist: str) -> Iterator[tuple[Scene, dict
         (folder / "chunks").mkdir(exist_ok=True)
         known = read_record(folder) if record.exists() else {}
         if known:
-            scene = continued(scene, known)
+            scene = replace(scene, **{name: known["options"].get(name) for name in _STAY if name in scene.unsaid})
             require_same(folder, known, scene)
-        yield scene, known
+        try:
+            yield scene, known
+        finally:
+            if fresh and not record.exists():  # it was not begun, or nothing came of it
+                shutil.rmtree(folder, ignore_errors=True)
 
 
 def missing_chunks(folder: Path, scene: Scene, say: Callable[[str], None]) -> list[int]:
     """The numbers of chunks that are not there or not good. What is no good chunk is moved to bad/ and told."""
     for leftover in (*folder.glob(".*.tmp"), *folder.glob("chunks/.*.tmp")):
         leftover.unlink(missing_ok=True)
-    good, shared, shorter = set[int | None](), digest_of_identity(identity(scene)), 0
+    good, shared = set[int | None](), digest_of_identity(identity(scene))
     for chunk, fault in store.examined(store.chunks_in(folder), scene.chunks, shared):
         path, place = folder / "chunks" / chunk.name, folder / "bad"
         if not fault and chunk.note()["drawn"] < scene.drawn(chunk.number or 0):
+            say(f"{chunk.name}: it was at the end of a run of fewer samples; it is computed anew")
             path.unlink()
-            shorter += 1
         elif not fault:
             good.add(chunk.number)
         else:
             say(f"{chunk.name}: {fault}; it is put aside in {place}")
             place.mkdir(exist_ok=True)
             path.replace(place / chunk.name)
-    if shorter:
-        say(f"chunks at the end of a run of fewer samples, which are computed anew: {shorter}")
     return [index for index in range(scene.chunks) if index not in good]
 
 

@@ -21,6 +21,7 @@ from explorer.measure.tallies import ByName
 from explorer.paths import path_of
 from explorer.runs import folder as folders
 from explorer.runs import store
+from explorer.runs.estimate import require_room
 from explorer.runs.interrupt import stopping
 from explorer.runs.settings import FORMATS, Making, Settings, samples_of
 from explorer.runs.workers import compute_all
@@ -187,7 +188,7 @@ class Run:
             str(self.parts[0].identity["options"]["scene"]),
             due,
             len(notes),
-            sum(note["samples"] for note in notes),
+            sum(sum(note["tally"]["status"].values()) for note in notes),
             dict(sum((note["tally"]["status"] for note in notes), ByName[int]())),
             record.get("finished"),
             record.get("seconds_for_chunks"),
@@ -417,6 +418,7 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
         note(text, not settings.progress)
 
     missing = folders.missing_chunks(folder, scene, say)
+    require_room(scene, settings, len(missing))
     known: dict[str, Any] = {"command": None, "formats": FORMATS, "arithmetic": []} | record
     how: dict[str, Any] = {
         "started": known.get("started", folders.now()),
@@ -432,7 +434,14 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
         deque(_computed(scene, settings, missing, stop), maxlen=0)
         how |= {"chunks_computed": len(missing), "seconds_for_chunks": round(time.monotonic() - clock, 3)}
         run, summary, drawn = Run(scene, folder=folder), folder / "summary.json", folder / "figures"
-        if summary.exists() and summary.read_bytes() != store.as_json(run.summary):
+        try:
+            found = store.as_json(run.summary)
+        except RunError:
+            if not run.status.status.get("ok"):  # nothing came of it: the command, mended, may use the folder
+                shutil.rmtree(folder / "chunks")
+                (folder / "run.json").unlink()
+            raise
+        if summary.exists() and summary.read_bytes() != found:
             shutil.rmtree(drawn, ignore_errors=True)  # pictures of fewer samples
         store.write_json(summary, run.summary)
         if how["formats"]:

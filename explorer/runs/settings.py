@@ -46,6 +46,7 @@ class Making(Options):
     scheduler: str | None = option(
         TEXT._replace(metavar="ADDRESS"), "address of a dask scheduler", words="a scheduler that the run starts"
     )
+    overfill: bool = option(TRUTH, "begin even if the disk has too little room", default=False)
     figures: bool = option(TRUTH, "draw pictures into the folder", default=True)
     format: tuple[str, ...] | None = option(
         Reader(read_formats, "KINDS", "str | Sequence[str]"),

@@ -50,7 +50,7 @@ class Chunk(NamedTuple):
         return self.content if isinstance(self.content, bytes) else self.content.read_bytes()
 
     def note(self) -> dict[str, Any]:
-        """What its footer says: index, identity, samples, drawn, digest of all numbers, tally. Raises RunError."""
+        """What its footer says: index, identity, drawn, digest of rows and counts, tally. Raises RunError."""
         with self._opened() as file:
             return _noted(file)
 
@@ -128,9 +128,7 @@ def make_chunk(scene: Scene, index: int, identity: str, folder: Path | None) -> 
     table, tally = scene.chunk(index)
     arrow = as_arrow(scene, table)
     read = {name: _values(arrow.column(name)) for name in table if table[name].dtype.kind not in "fiub"}
-    note: dict[str, Any] = {"index": index, "identity": identity}
-    note |= {"samples": scene.length(index), "drawn": scene.drawn(index)}
-    note["tally"] = tally.state()
+    note = {"index": index, "identity": identity, "drawn": scene.drawn(index), "tally": tally.state()}
     note["digest"] = digest_of({**table, **read}, note["tally"])
     text = json.dumps(note, allow_nan=False).encode()
     stream = pa.BufferOutputStream()

@@ -58,7 +58,6 @@ class FallingSet(FromStates):
         "for which states to compute theta_min: all, near (those near the falling set), or none",
         words=f"all; above {MANY:.0e} samples near, as it is near F that it matters",
         follows=lambda self, given: given or ("near" if self.samples > MANY else "all"),
-        stays=True,
     )
     slice: tuple[Slice, ...] = option(
         Reader(read_ranges, "SLICE", "str | Slice"),
@@ -81,7 +80,7 @@ class FallingSet(FromStates):
         *("theta_min", "status", "steps"),
     )
     columns_of_given = ("row",)
-    keeps_few = ("none", "near")
+    few = ("none", "near")
     bytes_per_sample = 300
     says = (
         "{valid_states:,} of {samples:,} samples are states of the disk, {falls:,} of them exactly on the "
@@ -167,16 +166,15 @@ class FallingSet(FromStates):
     @cached_property
     def _in_lanes(self) -> bool:
         """Whether drawing, counting and sifting are one compiled pass."""
-        sifted = self.theta_min != "all" and self.keep != "all" and self.states is None
-        whole = self.chunk_size % PER_STREAM == 0  # of parts of a stream the pass knows nothing
-        return sifted and whole and self.source.plain and sifting.in_lanes(self.disk, self.box)
+        sifted = "all" not in (self.theta_min, self.keep) and self.states is None and self.source.plain
+        return sifted and self.chunk_size >= PER_STREAM and sifting.in_lanes(self.disk, self.box)
 
     def chunk(self, index: int) -> tuple[Table, FallingCounts]:
         if not self._in_lanes:
             return super().chunk(index)
         n, tally = self.length(index), FallingCounts()
         streams = (random for random, _, _ in self.streams(index))
-        found = sifting.sift(self.disk, self.box, streams, (n, self.drawn_at_once), self.tube * _WIDER)
+        found = sifting.sift(self.disk, self.box, streams, (n, self.block), self.tube * _WIDER)
         table = self.observe(Block(phi_to_states(self.disk, **found.columns), found.columns, {}))
         tally.faces += found.faces
         tally.could_fall, tally.distance = found.could_fall, found.distance

@@ -137,10 +137,9 @@ class MeasureZero(FromDensity):
 
     def streams(self, index: int, before: int = 0) -> Iterator[tuple[Stream, int, range]]:
         if index >= self._in_tubes:
-            yield from super().streams(index - self._in_tubes, self._in_tubes)
-        else:  # each batch has a stream of its own
-            count = self.length(index)
-            yield numbered_stream(self.seed, index), count, range(count)
+            return super().streams(index - self._in_tubes, self._in_tubes)
+        count = self.length(index)  # of a batch, which has a stream of its own
+        return iter([(numbered_stream(self.seed, index), count, range(count))])
 
     def draw(self, random: Stream, count: int) -> Table:
         return self.source.draw(self.disk, random, count)

@@ -48,21 +48,19 @@ def option(
     key: str = "",
     several: bool = False,
     required: bool = False,
-    stays: bool = False,
 ) -> Any:
     """A field that is an option.
 
     text: for help, and words: its default, where the value does not say it. follows: called with all options and
     with what was read, None where nothing was given; returns the value. key: what records call it that list
     one or several, as `slices` for slice. several: whether the value is a tuple, of one or of a list, and the flag
-    may be given more than once. required: whether it must be given. stays: whether a stored run that goes on keeps
-    its value where none is given.
+    may be given more than once. required: whether it must be given.
     """
     if several:
         accepts = f"{reader.accepts} | Sequence[{reader.accepts}]"
         reader = Reader(partial(_read_all, reader.read), reader.metavar, accepts)
     about = {"reader": reader, "text": text, "words": words, "follows": follows, "required": required}
-    return field(default=default, metadata=about | {"key": key, "several": several, "stays": stays})
+    return field(default=default, metadata={**about, "key": key, "several": several})
 
 
 def workers(text: str) -> Any:

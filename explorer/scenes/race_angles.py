@@ -195,8 +195,7 @@ class NearF(RaceAngles):
         "1e75 natural units"
     )
     name = RaceAngles.name
-    blocks = SampledScene.blocks
-    drawn_at_once = SampledScene.drawn_at_once
+    blocks, block = SampledScene.blocks, SampledScene.block
 
     def box_of(self, given: dict[str, Range] | None) -> BoxNearF:
         usual = {"bounces": 1, "degrees": False}

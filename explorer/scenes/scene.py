@@ -36,17 +36,16 @@ Table = dict[str, NDArray[Any]]
 K = TypeVar("K", bound="type[Scene]")
 SAMPLES = whole_from(1, 10**12), "number of samples, e.g. 1e6"
 # Above so many samples a run is large, and so are its chunks where few of their rows are stored.
-MANY, _LARGE, _LARGEST = 10_000_000, 1 << 20, 1 << 26
+MANY, _LARGEST = 10_000_000, 1 << 26
 
 
 def read_chunk_size(name: str, value: Any) -> int:
     """Read the size of a chunk: whole streams, or an even part of one. Raises InputError with the nearest size."""
     size = whole(name, value, low=1, high=_LARGEST)
-    sizes = [1 << k for k in range(17)] if size < PER_STREAM else [round(size / PER_STREAM) * PER_STREAM]
-    nearest = min(sizes, key=lambda each: abs(each - size))
-    if nearest != size:
-        kinds = f"a power of two up to {PER_STREAM}, or a multiple of {PER_STREAM}"
-        raise InputError(f"{said(name, value)}: give {kinds}; the nearest is {nearest}")
+    part = min(PER_STREAM, 1 << size.bit_length() - 1)
+    if size % part:
+        fit = f"a power of two up to {PER_STREAM} or a multiple of it, the nearest is {round(size / part) * part}"
+        raise InputError(f"{said(name, value)}: give {fit}")
     return size
 
 
@@ -74,9 +73,10 @@ class Scene(Options, ABC):
     # What it stores of a sample, by the names of `phase.columns`, or with what they mean; chunks may have others.
     columns: ClassVar[Sequence[str] | dict[str, Column]] = ("status",)
     columns_of_given: ClassVar[tuple[str, ...]] = ()  # what else it stores where the states are given
+    bytes_per_sample: ClassVar[int] = 1000  # at most, while it is computed
     # Lines that are said of a run: `str.format` with the summary; one whose numbers are not there is not.
     says: ClassVar[Sequence[str]] = ()
-    stays: ClassVar[Sequence[str]] = ()  # of an object, options that were not given and stay as in its folder
+    unsaid: ClassVar[Sequence[str]] = ()  # of an object, the options that were not given
 
     def __init_subclass__(cls, **how: Any) -> None:
         super().__init_subclass__(**how)
@@ -85,8 +85,8 @@ class Scene(Options, ABC):
 
     def __post_init__(self) -> None:
         """Raise InputError where options do not go together; scenes add what they must refuse."""
-        stays = [each.name for each in options_of(type(self)) if each.metadata["stays"]]
-        object.__setattr__(self, "stays", [name for name in stays if getattr(self, name) is None])
+        names = [each.name for each in options_of(type(self))]
+        object.__setattr__(self, "unsaid", [name for name in names if getattr(self, name) is None])
         super().__post_init__()
         _ = self.plan  # a method that cannot give the observables is refused before anything is written
         if not self.observables and self.method != "auto":
@@ -161,18 +161,13 @@ class SampledScene(Scene):
     )
     chunk_size: int = option(
         Reader(read_chunk_size, "N", "int | float | str"),
-        "samples per chunk, on which no number depends: a power of two up to 65536, or a multiple of 65536",
+        "samples per chunk: a power of two up to 65536, or a multiple of 65536; no sample depends on it",
         words=f"65536; 2^20 above {MANY:.0e} samples if few rows are stored",
-        follows=lambda self, given: (
-            given or (_LARGE if self.samples > MANY and self.keep in self.keeps_few else PER_STREAM)
-        ),
-        stays=True,
+        follows=lambda self, given: given or PER_STREAM << 4 * (self.samples > MANY and self.keep in self.few),
     )
 
-    block: ClassVar[int] = 1 << 15  # samples at once: columns of them stay in a processor's cache
-    drawn_at_once: ClassVar[int] = PER_STREAM  # by one call of `draw`; another number would give other samples
-    keeps_few: ClassVar[tuple[str, ...]] = ("none",)  # of `keep`, what stores only a small share of the rows
-    bytes_per_sample: ClassVar[int] = 1000  # while its chunk is computed, for a budget of memory
+    block: ClassVar[int] = PER_STREAM  # samples drawn and observed at once; another number would give others
+    few: ClassVar[tuple[str, ...]] = ("none",)  # of `keep`, what stores only a small share of the rows
 
     # What a scene offers
 
@@ -211,12 +206,10 @@ class SampledScene(Scene):
 
         before: how many other streams the run has, which are numbered first.
         """
-        first = index * self.chunk_size
-        end = min(first + self.chunk_size, self.samples)
+        first, end = index * self.chunk_size, min((index + 1) * self.chunk_size, self.samples)
         for begin in range(first - first % PER_STREAM, end, PER_STREAM):
-            own = range(max(first - begin, 0), min(end - begin, PER_STREAM))
-            random = numbered_stream(self.seed, before + begin // PER_STREAM)
-            yield random, min(PER_STREAM, self.samples - begin), own
+            random, count = numbered_stream(self.seed, before + begin // PER_STREAM), self.samples - begin
+            yield random, min(count, PER_STREAM), range(max(first - begin, 0), min(end - begin, PER_STREAM))
 
     def drawn(self, index: int) -> int:
         return sum(count for _, count, _ in self.streams(index))
@@ -227,13 +220,11 @@ class SampledScene(Scene):
         A chunk that is a part of a stream draws also what comes before its own samples, and with them.
         """
         for random, due, own in self.streams(index):
-            for first in range(0, own.stop, self.drawn_at_once):
-                count = min(self.drawn_at_once, due - first)
-                drawn = self.draw(random, count)
-                if wrong := {*map(len, drawn.values())} - {count}:
-                    raise RunError(f"scene {self.name}: draw gives {min(wrong)} samples, not {count}")
-                for low in range(max(own.start - first, 0), min(own.stop - first, count), self.block):
-                    rows = slice(low, min(low + self.block, own.stop - first))
+            for first in range(0, own.stop, self.block):
+                drawn = self.draw(random, count := min(self.block, due - first))
+                # At the end of the stream nothing is cut off, so that too many are noticed.
+                rows = slice(max(own.start - first, 0), None if own.stop == due else own.stop - first)
+                if own.start < first + count:
                     yield {name: values[rows] for name, values in drawn.items()}
 
     def chunk(self, index: int) -> tuple[Table, Any]:
@@ -244,7 +235,9 @@ class SampledScene(Scene):
             self.count(tally, table)
             kept.append(self.kept(table))
         if (counted := sum(tally.status.values())) != (due := self.length(index)):
-            raise RunError(f"scene {self.name}: observe gives {counted} samples, not {due}; give one row a sample")
+            raise RunError(
+                f"scene {self.name}: draw and observe give {counted} samples, not {due}; give one row a sample"
+            )
         return joined(kept), tally
 
     def checked(self, table: Table) -> Table:

@@ -105,7 +105,7 @@ class FromStates(FromDensity):
         follows=lambda self, given: given and given.of_degrees(self.degrees),
     )
 
-    drawn_at_once: ClassVar[int] = 1 << 14
+    block: ClassVar[int] = 1 << 14
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -132,10 +132,9 @@ class FromStates(FromDensity):
     def blocks(self, index: int) -> Iterator[Block]:
         """The states of a chunk, block by block."""
         if self.states is not None:
-            count = self.length(index)
-            given = self.states.read(self.disk, index * self.chunk_size, count)
-            for first in range(0, count, self.block):
-                yield given.at(np.arange(first, min(first + self.block, count)))
+            given = self.states.read(self.disk, index * self.chunk_size, self.length(index))
+            for first in range(0, self.length(index), self.block):
+                yield given.at(np.arange(first, min(first + self.block, self.length(index))))
             return
         for columns in super().blocks(index):
             states = self.box.states(self.disk, columns)

@@ -43,10 +43,10 @@ def test_bad_arguments_are_named(arguments, message, capsys, tmp_path):
     assert not [*tmp_path.iterdir()]
 
 
-def test_a_folder_that_cannot_be_written_is_named(tmp_path, capsys):
+def test_a_file_that_stands_where_the_folder_should_be_is_named(tmp_path, capsys):
     (tmp_path / "file").write_text("")
     assert cli.main(["trade", "--samples", "300", "--out", str(tmp_path / "file")]) == 2
-    assert "cannot be written" in capsys.readouterr().err
+    assert "give another name" in capsys.readouterr().err
 
 
 @pytest.mark.rendered

@@ -88,7 +88,7 @@ def test_samples_may_be_added_and_what_was_drawn_for_fewer_is_computed_anew(chun
     longer = ex.run(Coins, samples=200_000, **how)
     assert longer.summary == ex.run(Coins, samples=200_000, chunk_size=chunk_size).summary
     assert len(before & {chunk.name for chunk in longer.chunks}) == kept
-    assert f"which are computed anew: {len(before) - kept}" in capsys.readouterr().err
+    assert capsys.readouterr().err.count("of a run of fewer samples; it is computed anew") == len(before) - kept
     assert not (tmp_path / "run" / "bad").exists()
     assert longer.verify() == []
 
@@ -148,6 +148,39 @@ def test_a_folder_in_which_a_run_was_stopped_at_once_can_be_used(tmp_path, finis
     (tmp_path / "new" / "chunks/.chunk-000001-0.parquet.17.tmp").unlink()
     assert ex.run(Coins, out=tmp_path / "new", **SMALL).summary == finished.summary
     assert not [*(tmp_path / "new").rglob("*.tmp")]
+
+
+TABLE = {"tilt": [20.0, 30.0], "tilt_rate": [0.0, 1.0], "precession": [50.0, 60.0], "spin": [5.0, 5.0]}
+
+
+@pytest.mark.filterwarnings("ignore:tilt. all tilts lie beyond upright")
+@pytest.mark.parametrize("scene", ["falling-set", "race-angles"])
+def test_a_run_without_one_good_sample_leaves_no_folder(scene, tmp_path):
+    """So the same command can be given again, with degrees that were forgotten; what was there before stays."""
+    mine = tmp_path / "mine" / "figures" / "own.png"
+    mine.parent.mkdir(parents=True)
+    mine.touch()
+    for folder in (tmp_path / "new", tmp_path / "mine"):
+        there = folder.exists()
+        how = {"states": TABLE, "out": folder, "exist": "error", "figures": False, "progress": False}
+        with pytest.raises(ex.RunError, match="none of 2 samples is a state"):
+            ex.run(scene, **how)
+        assert folder.exists() == there
+        assert ex.run(scene, **how, degrees=True).verify() == []
+    assert mine.exists()
+
+
+def test_a_run_that_the_disk_has_no_room_for_is_refused_with_both_sizes(tmp_path, monkeypatch):
+    usage = shutil.disk_usage(tmp_path)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage._replace(free=2_000_000))
+    how = {"samples": 500_000, "keep": "all", "out": tmp_path / "run", "figures": False, "progress": False}
+    with pytest.raises(ex.InputError, match=r"needs [\d.]+MB, and 2.00MB are free; .* or set overfill"):
+        ex.run(Coins, **how)
+    assert not (tmp_path / "run").exists()
+    assert ex.plan(Coins, **how).estimate.disk > 2_000_000
+    assert ex.run(Coins, **{**how, "keep": "none"}).verify() == []
+    assert ex.run(Coins, **{**how, "exist": "replace", "overfill": True}).verify() == []
+    assert ex.run(Coins, **how).verify() == []  # nothing is missing that would take room
 
 
 def test_only_one_run_at_a_time_is_in_a_folder(finished):

@@ -177,7 +177,7 @@ class Coins(SampledScene):
         ("= HeadCounts,", "= dict,", "AttributeError: 'dict' object has no attribute 'status'"),
         ('("status",)', '("status", "theta_min")', "observe returns no column theta_min"),
         ("def draw", "def drawn", r"a scene offers draw(random, count)"),
-        ("random(count)", "random(3)", "draw gives 3 samples, not 100"),
+        ("random(count)", "random(3)", "draw and observe give 3 samples, not 100"),
         ('"status": 0', '"state": 0', "observe returns no column status; return a dict with it"),
         ('return {**drawn, "status"', 'drawn |= {"status"', "observe returns no column status"),
         (
