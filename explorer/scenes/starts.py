@@ -112,7 +112,7 @@ class FromStates(FromDensity):
         if self.states is not None and self.samples > self.states.rows:
             raise InputError(f"samples {self.samples}: states holds {self.states.rows}; leave samples out")
         if self.states is not None and self.states.chart is not None:  # what contradicts itself is refused
-            self.states.read(self.disk, 0, min(self.samples, self.drawn_at_once), quiet=False)
+            self.states.read(self.disk, 0, min(self.samples, self.block), quiet=False)
         made = None if self.states is None else self.states.states
         if made is not None and made.disk != self.disk:
             raise InputError(
