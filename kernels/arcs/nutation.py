@@ -39,8 +39,7 @@ from kernels.types import Matrix, Vector
 
 POINTS = 16
 WIDEST = 0.5  # in x: so narrow a well needs no more points for all digits
-_FELT = 16.0 * EPSILON  # of the length: values at points that are off by less stay
-_LEAST = 1e-300  # what is never 0
+_FELT = 16.0 * EPSILON  # of the length: turning points that are off by less stay
 _FAR = END_ROWS  # rows of the end at the vertical, of the other face
 # INNER, OUTER: how much farther from each other the turning points are than they were found; SLACK: what rounding
 # leaves unknown of distances from them, as a share.
@@ -173,8 +172,8 @@ def partly(A: Vector, i: int, to: float, rest: float, slack: float) -> ArcRow[fl
 
 
 @contracted_subroutine
-def set_right(A: Vector, i: int, wells: Wells, j: int, points: Points, b: Body) -> None:
-    """The turning points of lane i by K and V' at the state of well j.
+def set_right(A: Vector, i: int, wells: Wells, j: int, points: Points, b: Body) -> bool:
+    """The turning points of lane i by K and V' at the state of well j; whether they are elsewhere than was found.
 
     Needs the share of K at the points. K by it is right but for a part that is linear in the distance.
     """
@@ -183,30 +182,34 @@ def set_right(A: Vector, i: int, wells: Wells, j: int, points: Points, b: Body) 
     # The interpolating polynomial at the state and at both ends, and its slope in u = -cos(alpha) at the state, by
     # the recurrences of cos(m alpha) and of sin(m alpha)/sin(alpha).
     here, slope, inner, outer, turned = 0.0, 0.0, 0.0, 0.0, (rest - to) / length
-    cosine, next_cosine, ratio, next_ratio, sign = 1.0, turned, 0.0, 1.0, 1.0
+    cosine, next_cosine, sine, next_sine, sign = 1.0, turned, 0.0, 1.0, 1.0
     for m in range(POINTS):
         of_order = 0.0
         for n in range(POINTS):
             of_order += points.cosines[n, m] * shares[n * LANES]
         here += of_order * cosine
-        slope -= of_order * m * ratio
+        slope -= of_order * m * sine
         inner += of_order
         outer += of_order * sign
         cosine, next_cosine = next_cosine, 2.0 * turned * next_cosine - cosine
-        ratio, next_ratio, sign = next_ratio, 2.0 * turned * next_ratio - ratio, -sign
+        sine, next_sine, sign = next_sine, 2.0 * turned * next_sine - sine, -sign
     state = wells.state
     inv = 1.0 / (1.0 + state.r[j] * state.r[j])
     q = 2.0 * state.r[j] * inv
-    fall, _bend = slope_and_bend(q, state.w[j] * inv, state.sigma3[j] / q, state.sigma4[j], b)
+    ratio, spin = state.sigma3[j] / q, state.sigma4[j]
+    fall, _bend = slope_and_bend(q, state.w[j] * inv, ratio, spin, b)
     missing = state.K[j] - to * rest * here
     tilted = -fall - (rest - to) * here - to * rest * slope * 2.0 / length
     # Each term of V' has some four roundings; an error of V' moves both turning points in the same direction.
-    ratio, spin = state.sigma3[j] / q, state.sigma4[j]
     terms = b.J * abs(ratio * q * spin) + b.I1 * ratio * ratio + q
-    moves = length > 0.0
-    A[_SLACK + i] = 4.0 * EPSILON * terms / (length * here) if moves else 0.0
-    A[_INNER + i] = (missing - tilted * to) / (length * inner) if moves else 0.0
-    A[_OUTER + i] = (missing + tilted * rest) / (length * outer) if moves else 0.0
+    A[_SLACK + i] = 4.0 * EPSILON * terms / (length * here) if length > 0.0 else 0.0
+    farther_in, farther_out = (
+        (missing - tilted * to) / (length * inner),
+        (missing + tilted * rest) / (length * outer),
+    )
+    felt = abs(farther_in) + abs(farther_out) > _FELT * length
+    A[_INNER + i], A[_OUTER + i] = farther_in if felt else 0.0, farther_out if felt else 0.0
+    return felt
 
 
 @contracted_subroutine
@@ -228,17 +231,15 @@ def well_batch(wells: Wells, points: Points, chart: Chart, out: Matrix) -> None:
     whole, state, vertical = out[:5], out[5:10], out[10:]
     for first in range(0, n, LANES):
         load(A, wells, first, chart)
-        for again in range(2):
-            moved, last = 0.0, min(LANES, n - first)
+        last, looked, moved = min(LANES, n - first), 0, 1
+        while looked < 2 and moved > 0:
             for j in range(POINTS):
                 look(A, j, points.share[j], chart.body)
+            looked, moved = looked + 1, 0
             for i in range(last):
                 multiply(A, i, _BEND, points.twice)
-            for i in range(last if again == 0 else 0):
-                set_right(A, i, wells, first + i, points, chart.body)
-                moved = max(moved, (abs(A[_INNER + i]) + abs(A[_OUTER + i])) / (A[_L + i] + _LEAST))
-            if moved <= _FELT:
-                break
+                if looked == 1 and set_right(A, i, wells, first + i, points, chart.body):
+                    moved += 1
         for i in range(min(LANES, n - first)):
             j, inner, outer = first + i, A[_INNER + i], A[_OUTER + i]
             weigh(A, i, points, chart.body)
