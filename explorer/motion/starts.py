@@ -11,7 +11,7 @@ from explorer.phase.falling_set import falls
 from explorer.phase.linear_constants import Motion
 from explorer.phase.states import Array, Rows, States
 
-_AS_FROM_REST = 1e-140  # of speeds: less changes no digit, and its square may have none
+_AS_FROM_REST = 1e-135  # of speeds: less changes no digit, and 1e-30 of its square, where rules begin, has none
 # An error in eta above this share of |eta| makes the direction of the race doubtful. Ten times stricter than the
 # sign needs: the error is only seen where the motion is checked.
 _RESOLVED = 0.1
