@@ -2,6 +2,7 @@
 
 import os
 import time
+from pathlib import Path
 
 import numpy as np
 
@@ -10,6 +11,26 @@ from explorer.scenes.options import NUMBER, option
 from explorer.scenes.scene import Counts, SampledScene
 
 SMALL = {"samples": 2500, "seed": 5, "chunk_size": 512, "keep": "all"}  # five chunks
+
+
+def wait():
+    """What a chunk takes before its coins are looked at, so that a run can be stopped in its middle.
+
+    COINS_SECONDS, and a ticket, one of the files in the folder COINS_TICKETS, as long as there is such a folder.
+    """
+    time.sleep(float(os.environ.get("COINS_SECONDS", "0")))
+    tickets = os.environ.get("COINS_TICKETS")
+    while tickets and Path(tickets).is_dir() and not any(map(taken, Path(tickets).glob("*"))):
+        time.sleep(0.01)
+
+
+def taken(ticket):
+    """Whether it was this process that took it."""
+    try:
+        ticket.unlink()
+    except OSError:
+        return False
+    return True
 
 
 class CoinCounts(Counts):
@@ -30,7 +51,7 @@ class Coins(SampledScene):
         return {"heads": random.random(count) < self.bias, "height": random.random(count)}
 
     def observe(self, drawn):
-        time.sleep(float(os.environ.get("COINS_SECONDS", "0")))  # so that a run can be stopped in its middle
+        wait()
         drawn["note"] = np.where(drawn["heads"], "head", "tail").astype(object)
         return {**drawn, "status": np.zeros(drawn["heads"].size, np.int8)}
 

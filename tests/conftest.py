@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 from matplotlib.figure import Figure
 from PIL import Image
 from reference.motions import MOTIONS, PASSAGES
@@ -18,8 +18,12 @@ import explorer as ex
 from explorer import compiled
 from explorer.commands.calls import trade
 
-settings.register_profile("nearflat", deadline=None, max_examples=40, derandomize=bool(os.environ.get("CI")))
-settings.load_profile("nearflat")
+# The same examples each time, so that a change that breaks nothing fails nowhere; `nox -s fuzz` tries others. How
+# long it takes to make them says something of the machine only.
+_COMMON = {"deadline": None, "max_examples": 40, "suppress_health_check": [HealthCheck.too_slow]}
+settings.register_profile("suite", **_COMMON, derandomize=True)
+settings.register_profile("fuzz", **_COMMON)
+settings.load_profile("fuzz" if "NEARFLAT_EXAMPLES" in os.environ else "suite")
 
 BODIES = {
     "uniform": ex.Disk.uniform(),

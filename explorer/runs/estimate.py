@@ -51,8 +51,8 @@ def estimate(scene: Scene, settings: Settings) -> Estimate:
     seconds = (time.process_time() - began) * count / len(probed) / min(jobs, compiled.usable_cores())
     stored, free = sum(sizes) * count / len(probed), _free_bytes(settings.out) if settings.out else None
     disk, held = (stored, 0.0) if settings.out else (0.0, stored)
-    at_work = scene.bytes_per_sample * min(scene.length(0), PER_STREAM)
-    memory = _BASE_MEMORY + jobs * (at_work + _COPIES * max(sizes)) + held
+    at_work = scene.bytes_per_sample * min(scene.length(0), PER_STREAM) + _COPIES * max(sizes)
+    memory = _BASE_MEMORY + jobs * at_work + held
     return Estimate(count, samples_of(scene), starting + seconds, memory, disk, free, len(probed))
 
 

@@ -42,10 +42,9 @@ MANY, _LARGEST = 10_000_000, 1 << 26
 def read_chunk_size(name: str, value: Any) -> int:
     """Read the size of a chunk: whole streams, or an even part of one. Raises InputError with the nearest size."""
     size = whole(name, value, low=1, high=_LARGEST)
-    part = min(PER_STREAM, 1 << size.bit_length() - 1)
-    if size % part:
-        fit = f"a power of two up to {PER_STREAM} or a multiple of it, the nearest is {round(size / part) * part}"
-        raise InputError(f"{said(name, value)}: give {fit}")
+    step = min(PER_STREAM, 1 << size.bit_length() - 1)
+    if nearest := size % step and round(size / step) * step:
+        raise InputError(f"{said(name, value)} is no power of two and no multiple of {PER_STREAM}; give {nearest}")
     return size
 
 
@@ -85,8 +84,8 @@ class Scene(Options, ABC):
 
     def __post_init__(self) -> None:
         """Raise InputError where options do not go together; scenes add what they must refuse."""
-        names = [each.name for each in options_of(type(self))]
-        object.__setattr__(self, "unsaid", [name for name in names if getattr(self, name) is None])
+        unsaid = [each.name for each in options_of(type(self)) if getattr(self, each.name) is None]
+        object.__setattr__(self, "unsaid", unsaid)
         super().__post_init__()
         _ = self.plan  # a method that cannot give the observables is refused before anything is written
         if not self.observables and self.method != "auto":

@@ -14,7 +14,6 @@ from kernels.types import Vector, Words
 LANES = 64  # counters at once
 WORDS = 4 * LANES
 ROUNDS = 10
-KEYS = 2 * ROUNDS  # words of all rounds
 
 # Halves of the two multipliers, and what the key grows by in each round.
 _FIRST = np.uint64(0xE14C6C93), np.uint64(0xD2E7470E)
@@ -25,7 +24,7 @@ _SURPLUS, _SPACING = np.uint64(11), 2.0**-53  # bits of a word that a double has
 
 
 def round_keys(key: Words) -> Words:
-    """The keys of all rounds (KEYS), from the key (2) of a numpy.random.Philox."""
+    """The keys of all rounds (20), from the key (2) of a numpy.random.Philox."""
     return np.array(
         [(int(key[j]) + step * _WEYL[j]) % 2**64 for step in range(ROUNDS) for j in (0, 1)], dtype=np.uint64
     )

@@ -304,7 +304,7 @@ def sift_batch(draw: Draw, count: int, sieve: Sieve, disk: Disk, whole: Whole, f
         at_tilts(W, whole, b)
     for block in range(0, count, draw.block):
         size, place = min(draw.block, count - block), free * (block % draw.stream)
-        keys = draw.keys[block // draw.stream * philox.KEYS :][: philox.KEYS]
+        keys = draw.keys[block // draw.stream * 2 * philox.ROUNDS :]
         for first in range(0, size, LANES):
             lane = first % philox.WORDS
             if lane == 0:

@@ -1,8 +1,10 @@
 """The headless browser of `explorer.view.browser` with what a user does to a page."""
 
 import base64
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 
@@ -18,6 +20,13 @@ class Browser(browser.Browser):
         self.evaluate(
             f"new Promise(done => {{ let n = {count}; const f = () => n-- ? requestAnimationFrame(f) : done();"
             " f(); })"
+        )
+
+    def drawn(self) -> None:
+        """Wait until the laboratory has drawn twice, also where nothing moves and however long that takes."""
+        self.evaluate(
+            "new Promise(done => { nearflat.restless = Infinity; const before = nearflat.frame.count; const look ="
+            " () => nearflat.frame.count > before + 1 ? done() : requestAnimationFrame(look); look(); })"
         )
 
     def size(self, width: int, height: int, mobile: bool = False) -> None:
@@ -72,6 +81,15 @@ class Browser(browser.Browser):
         typed = {"text": key} if len(key) == 1 else {}
         self.send("Input.dispatchKeyEvent", type="keyDown", key=key, **typed)
         self.send("Input.dispatchKeyEvent", type="keyUp", key=key)
+
+    @contextmanager
+    def downloads(self, folder: Path) -> Iterator[None]:
+        """What is done within this context saves one file into a folder, which is complete at its end."""
+        how = {"behavior": "allow", "downloadPath": str(folder), "eventsEnabled": True}
+        self.send("Browser.setDownloadBehavior", **how)
+        yield
+        while not any(event.get("params", {}).get("state") == "completed" for event in self.events):
+            self.events.append(self._receive(time.monotonic() + self._patience))
 
     def problems(self) -> list[str]:
         """What the page has written to the console since it was opened, errors of its program included."""

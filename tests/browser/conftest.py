@@ -25,7 +25,7 @@ def page_file(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def page(browser, page_file):
+def opened(browser, page_file):
     """The page, opened on a laptop."""
     browser.size(1280, 800)
     browser.prefer(color_scheme="light")
@@ -33,13 +33,23 @@ def page(browser, page_file):
     return browser
 
 
+@pytest.fixture
+def page(opened):
+    """The page as it was opened, standing still, whatever another test has done with it."""
+    opened.size(1280, 800)
+    opened.evaluate("(nearflat.store.reset(), nearflat.scene.camera.home(), nearflat.player.seek(0), 0)")
+    opened.evaluate("(scrollTo(0, 0), nearflat.player.running = false, 0)")
+    opened.frames()
+    return opened
+
+
 @pytest.fixture(scope="session")
 def javascript(tmp_path_factory, request):
     """Calls a function of the modules of the page with JSON: in node where there is one, else in the browser."""
     node = shutil.which("node")
     if node is None:
-        opened = request.getfixturevalue("page")
-        return lambda code, values: opened.evaluate(f"(({code})({json.dumps(values)}))")
+        page = request.getfixturevalue("opened")
+        return lambda code, values: page.evaluate(f"(({code})({json.dumps(values)}))")
     folder = tmp_path_factory.mktemp("modules")
     for file in FOLDER.glob("*.js"):
         shutil.copy(file, folder)

@@ -382,8 +382,7 @@ def test_a_picture_is_dragged_aside_and_scrolled_up(article):
     assert number_in(article.evaluate("document.querySelector('#coin output').textContent").rstrip("°")) > 70
     assert article.evaluate("scrollY") == scrolled
     article.swipe(x, y, 0, -120)
-    article.frames(10)
-    assert article.evaluate("scrollY") > scrolled + 60
+    until(article, f"scrollY > {scrolled} + 60")
 
 
 @pytest.mark.parametrize(("size", "scheme"), [((1280, 800), "light"), ((375, 800), "dark")], ids=str)

@@ -15,15 +15,6 @@ FLATTEST = "nearflat.store.main.states[nearflat.store.main.turns[0]][modules.phy
 DIGITS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻−", "0123456789--")
 
 
-@pytest.fixture(autouse=True)
-def fresh(page):
-    """Every test begins with the page as it was opened, standing still."""
-    page.size(1280, 800)
-    page.evaluate("(nearflat.store.reset(), nearflat.scene.camera.home(), nearflat.player.seek(0), 0)")
-    page.evaluate("(nearflat.player.running = false, 0)")
-    page.frames()
-
-
 def shown(page):
     return page.evaluate("nearflat.store.shown")
 
@@ -228,8 +219,8 @@ def test_every_picture_shows_something_at_every_size(page, size, scheme):
     page.prefer(color_scheme=scheme)
     page.size(*size)
     try:
-        page.evaluate("(nearflat.player.seek(2.4), nearflat.touch(), 0)")
-        page.frames(6)
+        page.evaluate("(nearflat.player.seek(2.4), 0)")
+        page.drawn()
         picture = np.asarray(Image.open(io.BytesIO(page.screenshot(whole=True))).convert("RGB"))
         width = page.evaluate("document.documentElement.scrollWidth")
         boxes = {name: box(page, name) for name in CANVASES}
@@ -250,8 +241,7 @@ def test_a_page_that_had_no_room_draws_when_it_has(page):
     """A notebook may open the frame in a hidden tab."""
     for style in ("none", ""):
         page.evaluate(f"(nearflat.canvases.forEach(canvas => {{ canvas.style.display = '{style}'; }}), 0)")
-        page.evaluate("(nearflat.touch(), 0)")
-        page.frames(4)
+        page.drawn()
     for name in CANVASES:
         code = """name => {
             const { data } = nearflat.canvases.find(canvas => canvas.id === name)

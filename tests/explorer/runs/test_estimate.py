@@ -2,6 +2,9 @@
 
 import time
 
+import coins
+import joblib
+import pytest
 from coins import SMALL, Coins
 
 from explorer.runs.estimate import estimate
@@ -9,21 +12,19 @@ from explorer.runs.settings import asked
 
 
 def test_an_estimate_is_that_of_the_run(finished, tmp_path, monkeypatch):
-    monkeypatch.setattr(time, "sleep", lambda _: sum(range(200_000)))  # work, which a processor's clock sees
-    monkeypatch.setenv("COINS_SECONDS", "1")
-    scene, settings = asked(Coins, {**SMALL, "out": tmp_path / "planned", "jobs": 1})
-    began = time.process_time()
-    for index in range(5):
-        scene.chunk(index)
-    spent = time.process_time() - began
-    found = estimate(scene, settings)
+    """By a clock that only chunks move, by two seconds each."""
+    clock = [0.0]
+    monkeypatch.setattr(time, "process_time", lambda: clock[0])
+    monkeypatch.setattr(coins, "wait", lambda: clock.__setitem__(0, clock[0] + 2.0))
     chunks = sum(len(chunk.data()) for chunk in finished.chunks)
-    assert (found.chunks, found.samples, found.probed) == (5, 2500, 1)
-    assert 0.5 < found.disk / chunks < 3.0
-    assert 0.3 < found.seconds / spent < 3.0
-    assert 1e8 < found.memory < 1e10
-    assert found.free > 0
-    assert not (tmp_path / "planned").exists()
+    for jobs in (1, 2):
+        found = estimate(*asked(Coins, {**SMALL, "out": tmp_path / "planned", "jobs": jobs}))
+        assert (found.chunks, found.samples, found.probed) == (5, 2500, 1)
+        assert found.seconds == 10.0 / min(jobs, joblib.cpu_count())
+        assert found.disk == pytest.approx(chunks, rel=0.2)
+        assert 1e8 < found.memory < 1e10
+        assert found.free > 0
+        assert not (tmp_path / "planned").exists()
 
 
 def test_a_run_in_memory_takes_no_room_on_the_disk():

@@ -1,11 +1,12 @@
 """Workers of every kind, killed and stopped, give the numbers of an undisturbed run."""
 
 import contextlib
+import itertools
 import json
 import os
 import random
+import shutil
 import signal
-import socket
 import subprocess
 import sys
 import threading
@@ -15,6 +16,7 @@ from pathlib import Path
 import coins
 import psutil
 import pytest
+import tqdm.std
 from coins import SMALL, Coins
 
 import explorer as ex
@@ -32,9 +34,41 @@ sys.exit(main())
 """
 
 
-def nearflat(*words, seconds=0.0, **options):
-    """The command in a process of its own; each of its chunks takes so long."""
+LIMIT = 600.0  # s for what happens soon, and on a busy machine later
+
+
+class Tickets:
+    """What processes need to compute chunks: one each; none once they are free."""
+
+    def __init__(self, folder):
+        self.folder = folder
+
+    def give(self, count):
+        """They compute so many chunks from now on, and wait with the next ones."""
+        self.free()
+        made = self.folder.with_name("made")
+        made.mkdir()
+        for number in range(count):
+            (made / f"{number}").touch()
+        made.rename(self.folder)
+
+    def free(self):
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+@pytest.fixture
+def tickets(tmp_path):
+    """For three chunks."""
+    made = Tickets(tmp_path / "tickets")
+    made.give(3)
+    yield made
+    made.free()
+
+
+def nearflat(*words, seconds=0.0, tickets=None, **options):
+    """The command in a process of its own; each of its chunks takes so long, or a ticket."""
     environment = {**os.environ, "COINS_SECONDS": str(seconds), "PYTHONPATH": os.pathsep.join(sys.path)}
+    environment["COINS_TICKETS"] = str(tickets.folder) if tickets else ""
     return subprocess.Popen(
         [sys.executable, "-c", PROGRAM, *map(str, words)],
         **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "env": environment, **options},
@@ -43,7 +77,7 @@ def nearflat(*words, seconds=0.0, **options):
 
 def command(folder, *more):
     given = [f"--{name.replace('_', '-')}={value}" for name, value in MANY.items()]
-    return ["run", SCENE, *given, "--no-figures", "--resume", "--json", "--out", folder, *more]
+    return ["run", SCENE, *given, "--no-figures", "--resume", "--json", "--jobs", 2, "--out", folder, *more]
 
 
 def there(folder):
@@ -52,10 +86,22 @@ def there(folder):
 
 def until(condition):
     """Wait for what happens soon, and on a busy machine later."""
-    limit = time.monotonic() + 120.0
+    limit = time.monotonic() + LIMIT
     while not condition():
         assert time.monotonic() < limit
         time.sleep(0.005)
+
+
+def told(process, text):
+    """Wait for a line of stderr with this text; all that came until then."""
+    lines, guard = [], threading.Timer(LIMIT, process.kill)
+    guard.start()
+    for line in process.stderr:
+        lines.append(line)
+        if text in line:
+            break
+    guard.cancel()
+    return "".join(lines)
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +125,7 @@ def test_one_digest_for_any_jobs_backend_and_place(how, stored, digest, tmp_path
 
 
 def test_killed_at_random_moments_a_run_ends_with_the_same_digest(digest, tmp_path):
-    draw, kills = random.Random(time.time_ns()), 0
+    draw, kills = random.Random(53), 0
     while True:
         done = nearflat(*command(tmp_path / "run"), seconds=0.1)
         until(lambda done=done: done.poll() is not None or (tmp_path / "run" / "run.json").exists())
@@ -105,33 +151,33 @@ def test_killed_at_random_moments_a_run_ends_with_the_same_digest(digest, tmp_pa
         (signal.SIGINT, "dask"),
     ],
 )
-def test_the_first_signal_keeps_running_chunks_and_tells_how_to_go_on(number, backend, digest, tmp_path):
+def test_the_first_signal_keeps_running_chunks_and_tells_how_to_go_on(number, backend, digest, tickets, tmp_path):
     if signal.getsignal(number) is signal.SIG_IGN:
         pytest.skip("whoever started the tests has it ignored, and so does the run")
     folder = tmp_path / "run"
-    done = nearflat(*command(folder, "--backend", backend), seconds=0.2, start_new_session=True)
-    until(lambda: done.poll() is not None or there(folder) >= 2)
-    before = there(folder)
+    done = nearflat(*command(folder, "--backend", backend), tickets=tickets, start_new_session=True)
+    until(lambda: done.poll() is not None or there(folder) == 3)
     os.killpg(done.pid, number)  # as a terminal does: to the processes too
-    _, err = done.communicate(timeout=60)
-    assert done.returncode == 130, err
-    assert "stopping when the running chunks are done; interrupt again to stop now" in err
-    assert f"of 24 chunks done; continue with: nearflat resume {folder}" in err.splitlines()[-1]
-    assert before <= there(folder) < 24
+    text = told(done, "stopping when the running chunks are done; interrupt again to stop now")
+    tickets.free()
+    text += done.communicate(timeout=LIMIT)[1]
+    assert done.returncode == 130, text
+    assert f"of 24 chunks done; continue with: nearflat resume {folder}" in text.splitlines()[-1]
+    assert 3 < there(folder) < 24
     assert not (folder / "summary.json").exists()
     assert not [*folder.rglob("*.tmp")]
     assert ex.open(folder).resume(progress=False).summary["digest"] == digest
 
 
-def test_the_second_signal_ends_at_once(tmp_path):
+def test_the_second_signal_ends_at_once(tickets, tmp_path):
+    """Also while chunks are computed that never end."""
     folder = tmp_path / "run"
-    done = nearflat(*command(folder), seconds=100.0)
-    until(lambda: done.poll() is not None or (folder / "run.json").exists())
-    time.sleep(0.5)
-    for _ in range(2):
+    done = nearflat(*command(folder), tickets=tickets)
+    until(lambda: done.poll() is not None or there(folder) == 3)
+    for text in ("stopping when the running chunks are done", "stopped; continue with: nearflat resume"):
         done.send_signal(signal.SIGINT)
-        time.sleep(0.2)
-    assert "stopped; continue with: nearflat resume" in done.communicate(timeout=50)[1]  # chunks take longer
+        assert text in told(done, text)
+    done.communicate(timeout=LIMIT)
     assert done.returncode == 130
 
 
@@ -143,27 +189,27 @@ def family(pid):
     ]
 
 
-def test_a_killed_process_ends_the_run_with_a_sentence_and_resume_goes_on(digest, tmp_path):
+def test_a_killed_process_ends_the_run_with_a_sentence_and_resume_goes_on(digest, tickets, tmp_path):
     folder = tmp_path / "run"
-    done = nearflat(*command(folder, "--backend", "processes"), seconds=0.2)
-    until(lambda: done.poll() is not None or there(folder) >= 2)
+    done = nearflat(*command(folder, "--backend", "processes"), tickets=tickets)
+    until(lambda: done.poll() is not None or there(folder) == 3)
     family(done.pid)[0].kill()
-    _, err = done.communicate(timeout=60)
+    _, err = done.communicate(timeout=LIMIT)
     assert done.returncode == 1
     assert "backend processes: a worker was killed" in err.splitlines()[-1]
     assert err.endswith(f"continue with: nearflat resume {folder}\n")
     assert ex.open(folder).resume(progress=False).summary["digest"] == digest
 
 
-def test_processes_end_with_the_one_that_began_them(tmp_path):
+def test_processes_end_with_the_one_that_began_them(tickets, tmp_path):
     folder = tmp_path / "run"
-    done = nearflat(*command(folder, "--backend", "processes"), seconds=0.2)
-    until(lambda: done.poll() is not None or there(folder) >= 2)
+    done = nearflat(*command(folder, "--backend", "processes"), tickets=tickets)
+    until(lambda: done.poll() is not None or there(folder) == 3)
     orphans = family(done.pid)
     assert orphans
     done.kill()
     done.communicate()
-    _, alive = psutil.wait_procs(orphans, timeout=10)
+    _, alive = psutil.wait_procs(orphans, timeout=LIMIT)
     assert alive == []
 
 
@@ -208,86 +254,85 @@ def test_what_goes_wrong_in_a_chunk_comes_back_from_every_worker(backend):
         ex.run(Faulty, **how)
 
 
-def test_progress_is_shown_where_a_run_takes_longer_than_two_seconds(tmp_path):
-    given = ("--samples", 512, "--chunk-size", 128, "--jobs", 1, "--no-figures")
-    runs = [
-        (shown, nearflat("run", SCENE, *given, *words, "--out", tmp_path / f"{seconds}{shown}", seconds=seconds))
-        for seconds, words, shown in ((1.6, (), True), (1.6, ("--quiet",), False), (0.0, (), False))
-    ]
-    for shown, done in runs:
-        _, err = done.communicate(timeout=60)
-        assert done.returncode == 0, err
-        assert ("samples/s" in err) is shown
-        assert "\r" not in err  # a log file, where nothing is drawn over
+@pytest.mark.parametrize(("step", "quiet", "shown"), [(3.0, False, True), (3.0, True, False), (0.0, False, False)])
+def test_progress_is_shown_where_a_run_takes_longer_than_two_seconds(step, quiet, shown, monkeypatch, capsys):
+    """By a clock that goes on by so many seconds whenever it is looked at."""
+    clock = itertools.count(0.0, step)
+    monkeypatch.setattr(tqdm.std, "time", lambda: next(clock))
+    ex.run(Coins, progress=not quiet, **SMALL)
+    assert ("samples/s" in capsys.readouterr().err) is shown
 
 
 # A dask cluster
 
 
-def dask(kind, *words):
+def dask(kind, *words, tickets=""):
     """A scheduler or a worker on the loopback, in a process of its own."""
     common = ["--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0"]
     more = ["--nthreads", "1", "--no-nanny"] if kind == "worker" else []
     full = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *words, *more, *common]
-    environment = {**os.environ, "COINS_SECONDS": "0.1", "PYTHONPATH": os.pathsep.join(sys.path)}
+    environment = {**os.environ, "COINS_TICKETS": str(tickets), "PYTHONPATH": os.pathsep.join(sys.path)}
     return subprocess.Popen(full, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
 
 
 @contextlib.contextmanager
-def a_cluster(count):
-    """A real scheduler and its workers; yields its address and the workers' processes."""
+def a_cluster(count, tickets):
+    """A real scheduler and its workers; yields a client of it and the workers' processes."""
     distributed = pytest.importorskip("distributed")
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        address = f"tcp://127.0.0.1:{probe.getsockname()[1]}"
-    running = [dask("scheduler", "--port", address.rpartition(":")[2])]
-    running += [dask("worker", address) for _ in range(count)]
+    file = tickets.folder.with_name("scheduler.json")
+    running = [dask("scheduler", "--port", "0", "--scheduler-file", file)]
     try:
-        with distributed.Client(address, timeout=120) as client:
-            if count:
-                client.wait_for_workers(count, timeout=120)
-        yield address, running[1:]
+        until(lambda: running[0].poll() is not None or (file.exists() and file.read_text().endswith("}")))
+        running += [dask("worker", "--scheduler-file", file, tickets=tickets.folder) for _ in range(count)]
+        with distributed.Client(scheduler_file=str(file), timeout=LIMIT) as client:
+            client.wait_for_workers(count, timeout=LIMIT)
+            yield client, running[1:]
     finally:
         for process in running:
             process.kill()
             process.wait()
 
 
-def killing(folder, worker):
-    """Kill a worker as soon as there are a few chunks; a list with the moment."""
-    moment = []
+def killing(folder, worker, tickets):
+    """Kill a worker as soon as there are three chunks, and let the others go on."""
+    tickets.give(3)
 
     def kill():
-        until(lambda: there(folder) > 2)
+        until(lambda: there(folder) == 3)
         worker.kill()
-        moment.append(time.monotonic())
+        worker.wait()
+        tickets.free()
 
     threading.Thread(target=kill).start()
-    return moment
 
 
-def test_a_cluster_loses_its_workers_one_after_the_other(digest, tmp_path):
-    """With one of two a run ends as it would; without any that is told in ten seconds, and it can be stopped."""
+# So that a signal comes before the seconds are over after which a run without a worker ends by itself.
+PATIENT = "from explorer.runs import workers\nworkers._LOOKS = 10**6\n"
+
+
+def test_a_cluster_loses_its_workers_one_after_the_other(digest, tickets, tmp_path, monkeypatch):
+    """With one of two a run ends as it would; without any that is told, and it can be stopped."""
     first, second, third = (tmp_path / name for name in ("first", "second", "third"))
-    with a_cluster(2) as (address, workers):
+    with a_cluster(2, tickets) as (client, workers):
+        address = client.scheduler.address
         where = {"backend": "dask", "scheduler": address, "progress": False, "figures": False}
-        lost = killing(first, workers[0])
+        killing(first, workers[0], tickets)
         assert ex.run(Coins, out=first, **where, **MANY).summary["digest"] == digest
-        assert lost
+        assert workers[0].poll() is not None
 
-        lost = killing(second, workers[1])
-        told = f"{address}: there is no worker; start one with: dask worker {address}; continue with: .*resume"
-        with pytest.raises(ex.RunError, match=told):
+        killing(second, workers[1], tickets)
+        message = f"{address}: there is no worker; start one with: dask worker {address}; continue with: .*resume"
+        with pytest.raises(ex.RunError, match=message):
             ex.run(Coins, out=second, **where, **MANY)
-        assert time.monotonic() - lost[0] < 10.0
-        assert 2 < there(second) < 24
+        assert there(second) == 3
         assert ex.open(second).resume(progress=False).summary["digest"] == digest
 
+        monkeypatch.setitem(globals(), "PROGRAM", PATIENT + PROGRAM)
         done = nearflat(*command(third, "--backend", "dask", "--scheduler", address))
-        until((third / "run.json").exists)
-        time.sleep(1.5)
+        # Of what asked before, nothing is left, as it has ended.
+        until(lambda: client.run_on_scheduler(lambda dask_scheduler: len(dask_scheduler.tasks)) > 0)
         done.send_signal(signal.SIGTERM)
-        _, err = done.communicate(timeout=10)
+        _, err = done.communicate(timeout=LIMIT)
     assert done.returncode == 130
     assert "stopped with 0 of 24 chunks done; continue with: nearflat resume" in err
 

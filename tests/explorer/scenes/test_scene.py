@@ -94,7 +94,7 @@ def test_a_longer_run_has_the_samples_of_a_shorter_one_where_a_stream_is_used_up
     ("given", "nearest"), [(1000, 1024), (777, 1024), (3, 4), (70_000, 65_536), (1e6, 983_040)]
 )
 def test_a_size_of_chunks_that_cuts_streams_unevenly_is_refused_with_the_nearest_that_does_not(given, nearest):
-    with pytest.raises(ex.InputError, match=f"chunk_size = .*the nearest is {nearest}$"):
+    with pytest.raises(ex.InputError, match=f"chunk_size = .*; give {nearest}$"):
         FallingSet(chunk_size=given)
     assert FallingSet(chunk_size=nearest).chunk_size == nearest
 
