@@ -39,6 +39,7 @@ SYNTAX = (
     f"A number may have a unit ({', '.join(UNITS)}), as in "
     '"m=20g,r=5cm,I1=150 g cm^2,I3=flat"; g is then 9.81 m/s^2 if left out'
 )
+_ROUNDING = 8.0 * 2.2e-16  # by which products of the same numbers, as I3 and 2 I1 are, may differ
 LARGEST_RATE = 1e75  # natural units, of all that is given: up to here fourth powers of rates are numbers
 
 
@@ -58,7 +59,8 @@ class Disk:
         Gravity (m/s^2).
     I1, I3 : float, optional
         Transverse and axial moment of inertia (kg m^2), 0 <= I3 <= 2 I1 by eq. (2.3). I1 is by default that of a
-        uniform disk, m r^2/4. I3 is by default that of a flat body, 2 I1; I3="flat" means this too.
+        uniform disk, m r^2/4. I3 is by default that of a flat body, 2 I1; I3="flat" means this too, and so does an
+        I3 that is larger by rounding only.
     name : str
         Used in the names of folders, in pictures and in tables.
 
@@ -103,9 +105,11 @@ class Disk:
         transverse = 0.25 * mass * radius * radius if I1 is None else positive("disk: I1", _bare("I1", I1))
         axial = 2.0 * transverse if _is_flat(I3) else number("disk: I3", _bare("I3", I3), 0.0)
         read = {"m": mass, "r": radius, "g": gravity, "I1": transverse, "I3": axial}
+        if axial <= 2.0 * transverse * (1.0 + _ROUNDING):
+            read["I3"] = min(axial, 2.0 * transverse)
         for key, value in {**read, "name": word("disk: name", name)}.items():
             object.__setattr__(self, key, value)
-        if self.I3 > 2.0 * self.I1:
+        if self.I3 > 2.0 * self.I1 * (1.0 + _ROUNDING):
             raise InputError(
                 f"disk: I3 = {self.I3} exceeds 2 I1 = {2.0 * self.I1}, which no body has; "
                 "for a flat one give I3=flat"
