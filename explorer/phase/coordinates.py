@@ -132,8 +132,8 @@ def coordinates_to_states(disk: Disk, *, degrees: bool = False, **coordinates: A
 
         - The tilt is one of three: phi, the angle to the vertical (rad, 0 if left out), with phidot or with the
           energy; theta with thetadot, as for `theta_to_states`; or tilt with tilt_rate (0 if left out), as for
-          `rates_to_states`. If the energy is given, phidot is computed from it, towards the flat state of the
-          face.
+          `rates_to_states`. phidot is the rate of phi, whatever the face; computed from an energy, it is
+          towards the flat state of the face.
         - The spins are sigma3 with sigma4, of eq. (2.14). With phi they may also be constants of motion,
           sigma3_bar with sigma4_bar or with eta_hat, of eqs (3.5), (6.2); with tilt they are precession with spin,
           as for `rates_to_states`.
