@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, double_of, said, shorten
+from explorer.errors import InputError, double_of, number, said, shorten
 from explorer.paths import path_of
 from explorer.phase.columns import COLUMNS
 from explorer.phase.coordinates import CHARTS, KNOWN, Chart, angle_unit, recognise
@@ -391,9 +391,8 @@ def _numbers(column: Any, what: str, first: int, point: str) -> Array:
     if None in read:
         row = read.index(None)
         where = f"{what}, row {first + row} (counted from 0)"
-        mixed = "; write decimal commas, as elsewhere in the table, and no separators of thousands"
-        remedy = mixed if point == "," else "; give a number"
-        raise InputError(f"{said(where, cells[row])} is not a number{remedy}")
+        number(where, cells[row])
+        raise InputError(f"{said(where, cells[row])} is not a number where commas are decimal; write it with one")
     numbers = np.array(read, np.float64)
     if numbers.size and np.isnan(numbers).all():
         raise InputError(f"{what} holds no numbers, but {column.type}; give numbers, or rename the column")

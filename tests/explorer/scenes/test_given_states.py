@@ -328,7 +328,7 @@ def test_another_tilt_or_rate_that_would_be_ignored_is_refused_with_its_remedy(n
 
 
 def test_a_second_tilt_beside_phi_is_refused():
-    with pytest.raises(ex.InputError, match="'tilt' .* beside phi, .*rename it, or leave it out"):
+    with pytest.raises(ex.InputError, match=r"'tilt' .* beside phi, .*rename it, or leave it out"):
         GivenStates.of("states", {key: [0.3] for key in (*NAMES, "tilt")})
 
 
@@ -347,7 +347,7 @@ def test_a_coordinate_without_the_rest_of_its_set_agrees_with_the_state_or_is_re
 def test_a_point_beside_decimal_commas_is_refused_by_row_column_and_text(sign, tmp_path):
     table = f"tilt;precession;spin\n10,5;600,5;{sign}1,5\n10,5;1.600;1,5\n"
     (tmp_path / "some.csv").write_text(table, encoding="utf-8")
-    with pytest.raises(ex.InputError, match=r"column 'precession', row 1 .*1\.600 is not a number"):
+    with pytest.raises(ex.InputError, match=r"column 'precession', row 1 .*1\.600 is not a number where commas"):
         GivenStates.of("states", tmp_path / "some.csv")
     (tmp_path / "some.csv").write_text(table.replace("1.600", "1600"), encoding="utf-8")
     assert GivenStates.of("states", tmp_path / "some.csv").columns["spin"].tolist() == [-1.5, 1.5]
