@@ -123,12 +123,10 @@ class GivenStates:
         with _reading(what, remedy):
             for file in folder or [path]:  # a folder without any cannot be read
                 with file.open("rb") as stream:
-                    parquet = stream.read(len(_PARQUET)) == _PARQUET
-                    stream.seek(0)
                     hashlib.file_digest(stream, lambda: digest)
-                if folder and not parquet:
-                    raise InputError(f"{what}: {file.name} is no Parquet; remove it, or write it again")
-            if folder or parquet:
+            with (folder or [path])[0].open("rb") as stream:
+                parquet = bool(folder) or stream.read(len(_PARQUET)) == _PARQUET
+            if parquet:
                 return cls._of_parquet(what, path, folder or [path], digest.hexdigest())
             table, point = _csv(path)
         chart = _chart(table.column_names, what)
