@@ -301,6 +301,7 @@ CHARTS = (
     Chart(("phi", "phidot", "sigma3_bar", "sigma4_bar"), ("phi",), _from_constants),
     Chart(("phi", "energy", "sigma3_bar", "sigma4_bar"), ("phi",), _from_constants),
 )
+_ONCE = {"phi", "theta", "tilt", "phidot", "thetadot", "tilt_rate"}  # of which a state has one tilt and one rate
 KNOWN = tuple(dict.fromkeys(name for chart in CHARTS for name in chart.names))
 ANGULAR = tuple(name for name in KNOWN if COLUMNS[name].unit in (ANGLE, RATE))  # what may be in degrees
 
@@ -319,9 +320,14 @@ def recognise(names: Collection[str], what: str = "states") -> Chart:
     meant = {name: alike[_spelt(name)] for name in names if _spelt(name) in alike}
     for chart in CHARTS:
         if set(chart.needed) <= set(names):
-            for name, known in meant.items():
-                if known in chart.optional:  # it would be ignored
+            complete = {name for each in CHARTS if set(each.needed) <= set(names) for name in each.names}
+            for name in names:  # one that would be ignored
+                known = meant.get(name, name)
+                if name in meant and known in chart.optional:
                     raise InputError(f"{what}: column {name!r} looks like {known!r}, which is missing; rename it")
+                if known in _ONCE - complete and (name in meant or name not in CHARTS[0].names):
+                    used = ", ".join(chart.present(names))
+                    raise InputError(f"{what}: {name!r} is not used beside {used}; rename it, or leave it out")
             return chart
     there = [name for name in names if name in KNOWN]
     hint = f"; did you mean {', '.join(meant.values())} by {', '.join(meant)}?" if meant else ""
@@ -352,5 +358,6 @@ def chart_of(what: str, given: Mapping[str, T], zero: T) -> tuple[Chart, dict[st
 
 
 def _spelt(name: str) -> str:
-    """The letters of a name without its unit: "tiltrate" of "Tilt_Rate", "tilt rate (deg/s)" and "tilt_rate/s"."""
-    return "".join(letter for letter in re.split(r"[(\[/]", name.lower())[0] if letter.isalnum())
+    """The letters of a name without its unit: "tiltrate" of "Tilt_Rate", "tiltdot" and "tilt rate (deg/s)"."""
+    bare = re.split(r"[(\[/]|[\W_](?:deg|rad)", name.lower())[0]
+    return "".join(letter for letter in bare if letter.isalnum()).replace("dot", "rate")

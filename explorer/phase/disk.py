@@ -102,8 +102,8 @@ class Disk:
         name: str = "custom",
     ) -> None:
         mass, radius, gravity = _units(m, r, g)
-        transverse = 0.25 * mass * radius * radius if I1 is None else positive("disk: I1", _bare("I1", I1))
-        axial = 2.0 * transverse if _is_flat(I3) else number("disk: I3", _bare("I3", I3), 0.0)
+        transverse = 0.25 * mass * radius * radius if I1 is None else _quantity("I1", I1)
+        axial = 2.0 * transverse if _is_flat(I3) else _quantity("I3", I3)
         read = {"m": mass, "r": radius, "g": gravity, "I1": transverse, "I3": axial}
         if axial <= 2.0 * transverse * (1.0 + _ROUNDING):
             read["I3"] = min(axial, 2.0 * transverse)
@@ -144,8 +144,8 @@ class Disk:
         """
         m, r, g = _units(m, r, g)
         unit = m * r * r
-        axial = None if _is_flat(I3) else number("disk: I3", I3, 0.0) * unit
-        return cls(m=m, r=r, g=g, I1=positive("disk: I1", I1) * unit, I3=axial, name=name)
+        axial = None if _is_flat(I3) else _quantity("I3", I3) * unit
+        return cls(m=m, r=r, g=g, I1=_quantity("I1", I1) * unit, I3=axial, name=name)
 
     @classmethod
     def annulus(
@@ -369,20 +369,23 @@ def _is_flat(I3: Any) -> bool:
 def _units(m: Any, r: Any, g: Any) -> tuple[float, float, float]:
     """Mass, radius and gravity, read; 1 where they are left out. Raises InputError."""
     given = {"m": m, "r": r, "g": g}
-    mass, radius, gravity = (
-        1.0 if value is None else positive(f"disk: {key}", _bare(key, value)) for key, value in given.items()
-    )
+    mass, radius, gravity = (1.0 if value is None else _quantity(key, value) for key, value in given.items())
     if g is None and not (m is None and r is None):
         warn("disk: m or r is given without g, which is then 1; give g=9.81 for kilograms, metres and seconds")
     return mass, radius, gravity
 
 
-def _bare(key: str, value: Any) -> Any:
-    """A quantity as it is. Raises InputError for one with a unit, which only `Disk.parse` reads."""
-    if isinstance(value, str) and value[:1].isdigit() and double_of(value) is None:
+def _quantity(key: str, value: Any) -> float:
+    """A quantity, read. Raises InputError, also for one with a unit, which only `Disk.parse` reads."""
+    if _has_unit(value):
         remedy = 'give one, or a text with units to Disk.parse, such as "uniform:m=20g,r=5cm"'
         raise InputError(f"{said(f'disk: {key}', value)} is not a number; {remedy}")
-    return value
+    return number("disk: I3", value, 0.0) if key == "I3" else positive(f"disk: {key}", value)
+
+
+def _has_unit(value: Any) -> bool:
+    """Whether a text holds a number and more."""
+    return isinstance(value, str) and double_of(value) is None and any(map(str.isdigit, value))
 
 
 def _can_be_scaled(disk: Disk) -> bool:
@@ -422,7 +425,7 @@ def _in_si(key: str, value: str) -> str:
         if found and (bare := double_of(found[1])) is not None:
             return repr(bare * size)
     units = [unit for unit, (_, keys) in UNITS.items() if key in keys]
-    if units and value[:1].isdigit() and double_of(value) is None:
+    if units and _has_unit(value):
         raise InputError(f"{said(f'disk: {key}', value)} is not a number; give one, also in {', '.join(units)}")
     return value
 

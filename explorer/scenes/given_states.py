@@ -21,10 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, double_of, number, shorten
+from explorer.errors import InputError, double_of, number, said, shorten
 from explorer.paths import path_of
 from explorer.phase.columns import COLUMNS
-from explorer.phase.coordinates import CHARTS, Chart, recognise
+from explorer.phase.coordinates import CHARTS, KNOWN, Chart, angle_unit, recognise
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, States
 
@@ -36,6 +36,7 @@ Columns = dict[str, NDArray[Any]]
 _PARQUET, _GZIP = b"PAR1", b"\x1f\x8b"  # how such files begin
 _HEAD = 1 << 16  # characters of a CSV file that show how it is written
 _AGREE = 1e-3  # two sets of coordinates in a table agree to the digits that people keep
+_ASIDE = ("#", "%", "sep=")  # how lines before a table begin; Excel writes the last
 _SPEEDS = {"phidot", "thetadot", "tilt_rate", "energy"}
 # What stands in cells without a number, in small letters.
 _MISSING = ("", "-", "--", "?", "n/a", "#n/a", "na", "<na>", "nan", "-nan", "null", "none")
@@ -117,25 +118,35 @@ class GivenStates:
     @classmethod
     def _of_file(cls, flag: str, path: Path, remedy: str = "give Parquet or CSV") -> "GivenStates":
         """From CSV or Parquet: a file, or a folder of Parquet. Raises InputError where it says no state."""
+        what, digest = f"{flag} {path}", hashlib.sha256()
+        folder = sorted(path.glob("*.parquet")) if path.is_dir() else []
+        with _reading(what, remedy):
+            for file in folder or [path]:  # a folder without any cannot be read
+                with file.open("rb") as stream:
+                    hashlib.file_digest(stream, lambda: digest)
+            with (folder or [path])[0].open("rb") as stream:
+                parquet = bool(folder) or stream.read(len(_PARQUET)) == _PARQUET
+            if parquet:
+                return cls._of_parquet(what, path, folder or [path], digest.hexdigest())
+            table, point = _csv(path)
+        chart = _chart(table.column_names, what)
+        columns = _read(table, chart, what, point=point)
+        return cls(what, table.num_rows, digest.hexdigest(), path, chart, columns)
+
+    @classmethod
+    def _of_parquet(cls, what: str, path: Path, files: list[Path], digest: str) -> "GivenStates":
+        """From Parquet files, which are read piece by piece."""
         import pyarrow.parquet as pq
 
-        what, digest, groups = f"{flag} {path}", hashlib.sha256(), list[tuple[Path, int, int]]()
-        files = sorted(path.glob("*.parquet")) if path.is_dir() else [path]
-        with _reading(what, remedy):
-            for file in files or [path]:  # a folder without any cannot be read
-                with file.open("rb") as stream:
-                    parquet = stream.read(len(_PARQUET)) == _PARQUET
-                    stream.seek(0)
-                    hashlib.file_digest(stream, lambda: digest)
-                if parquet:
-                    about = pq.read_metadata(file)
-                    groups += [(file, n, about.row_group(n).num_rows) for n in range(about.num_row_groups)]
-            table = pq.read_schema(file).empty_table() if parquet else _csv(path)
+        groups = list[tuple[Path, int, int]]()
+        for file in files:
+            with _reading(f"{what}: {file.name}", "remove it, or write it again"):
+                about = pq.read_metadata(file)
+            groups += [(file, n, about.row_group(n).num_rows) for n in range(about.num_row_groups)]
+        table = pq.read_schema(files[0]).empty_table()
         chart = _chart(table.column_names, what)
-        columns = _read(table, chart, what)  # refuses columns of types that are of no use
-        rows = sum(rows for _, _, rows in groups) if parquet else table.num_rows
-        kept = None if parquet else columns
-        return cls(what, rows, digest.hexdigest(), path, chart, kept, groups=tuple(groups))
+        _read(table, chart, what)  # refuses columns of types that are of no use
+        return cls(what, sum(rows for *_, rows in groups), digest, path, chart, groups=tuple(groups))
 
     @cached_property
     def opened(self) -> "GivenStates":
@@ -186,14 +197,19 @@ class GivenStates:
 
     def _refuse_contradictions(self, disk: Disk, chart: Chart, table: Columns, known: Columns, first: int) -> None:
         """Raise InputError where the table says other states too, but for mirror images."""
-        for other in CHARTS:
-            sets = chart.present(table), other.present(table)
-            text = any(table[name].dtype.kind not in "iuf" for name in sets[1])
-            if other is chart or text or {*other.names} - {"face", "tilt_rate"} - {*sets[1]}:
+        others = [other for other in CHARTS if {*other.names} - {"face", "tilt_rate"} <= {*table}]
+        used = {name for each in (chart, *others) for name in each.names}
+        for other in (*others, None):  # None: coordinates whose sets are not complete
+            lone = tuple(name for name in COORDINATES if name in table and name not in used)
+            sets = chart.present(table), other.present(table) if other else lone
+            if other is chart or any(table[name].dtype.kind not in "iuf" for name in sets[1]):
                 continue
-            seen = coordinates_of(other.states(disk, table, self.degrees, True))
-            if not all(_SPEEDS & {*each} for each in sets):
-                seen["phidot"] = known["phidot"]  # only one of them says it
+            if other:
+                seen = coordinates_of(other.states(disk, table, self.degrees, True))
+                if not all(_SPEEDS & {*each} for each in sets):
+                    seen["phidot"] = known["phidot"]  # only one of them says it
+            else:
+                seen = known | {name: table[name] * angle_unit(name, self.degrees) for name in lone}
             size = sum(abs(part[name]) for part in (known, seen) for name in COORDINATES[1:])
             near: dict[str, Any] = {"phi": _AGREE, **dict.fromkeys(COORDINATES[1:], _AGREE * size)}
             if "energy" in sets[0] + sets[1]:  # of whose digits a rate has half
@@ -225,7 +241,7 @@ class GivenStates:
             return list(map(str, rows))
         columns = given._piece(given.chart, 0, max(rows) + 1) if given.columns is None else given.columns
         names = given.chart.present(columns)
-        texts = _csv(given.path, names) if given.path and given.columns else columns
+        texts = _csv(given.path, names)[0] if given.path and given.columns else columns
         cells = [[f"{n} {str(texts[n][row])!r}" for n in names if math.isnan(columns[n][row])] for row in rows]
         return [f"{row} ({', '.join(at)})" if at else f"{row}" for row, at in zip(rows, cells, strict=True)]
 
@@ -272,6 +288,8 @@ def _table(given: Any, what: str) -> "pa.Table":
         given = given.columns
     try:
         if hasattr(given, "to_frame") and hasattr(given, "iloc"):  # a row of a frame of pandas
+            if given.name in KNOWN or {*map(type, given.index)} != {str}:
+                raise InputError(f"{what}: is a column of a frame, not a row; give the frame")
             given = given.to_frame().T
         if hasattr(given, "iloc"):  # of pandas, which would hand over its index as well
             return pa.Table.from_pandas(given, preserve_index=False)
@@ -283,8 +301,8 @@ def _table(given: Any, what: str) -> "pa.Table":
         ) from None
 
 
-def _csv(path: Path, texts: Collection[str] = ()) -> "pa.Table":
-    """A CSV file, with commas, semicolons, tabs or spaces. Lines with # may stand before its table.
+def _csv(path: Path, texts: Collection[str] = ()) -> tuple["pa.Table", str]:
+    """A CSV file, with commas, semicolons, tabs or spaces, and its decimal point. Lines with # or % are comments.
 
     texts: columns whose cells are left as they are written.
     """
@@ -292,24 +310,34 @@ def _csv(path: Path, texts: Collection[str] = ()) -> "pa.Table":
     from pyarrow import csv
 
     content = _text(path)
-    head = content[:_HEAD]
-    lines = head.splitlines() or [""]
-    first = next((n for n, line in enumerate(lines) if line.strip() and line[0] != "#"), 0)
+    lines = content[:_HEAD].splitlines() or [""]
+    first = next((n for n, line in enumerate(lines) if line.strip() and not line.startswith(_ASIDE)), 0)
+    header, aside = lines[first], [line for line in lines[:first] if line.strip()]
     # numpy writes the names after a #, and then numbers.
-    commented = first > 0 and double_of(re.split(r"[,;\s]", lines[first].strip())[0]) is not None
-    names = lines[first - commented].strip("# ")
-    separator = max(" ,;\t", key=names.replace(" ", "").count)
-    point = "." if separator == "," else max(".,", key=lambda each: len(re.findall(rf"\d[{each}]\d", head)))
+    commented = bool(aside) and double_of(re.split(r"[,;\s]", header.strip())[0]) is not None
+    if commented:
+        header = max(reversed(aside), key=lambda line: len({*KNOWN} & {*re.findall(r"\w+", line)}))
+    header = header.strip("#% ")
+    separator = max(" ,;\t", key=header.replace(" ", "").count)
+    blank = separator == " "
+    names = [name.strip("\"' ") for name in header.split(None if blank else separator)]
+    if blank:  # columns may be aligned
+        content = re.sub(r"(?m)^ +| +(?=\r?$)", "", re.sub(" +", " ", content))
+    if "\n#" in content or "\n%" in content:  # A label, as in #1, is no comment. Lines keep their numbers.
+        content = re.sub(r"(?m)^[#%]+([ \t].*)?$", "", content)
+    rows = [line.split(None if blank else separator) for line in lines[first:]]
+    cells = [cell for row in rows for name, cell in zip(names, row, strict=False) if name in KNOWN]
+    point = "." if separator == "," else max(".,", key=lambda each: sum(each in cell for cell in cells))
     missing = [spelt(word) for word in _MISSING for spelt in (str, str.upper, str.title)] + ["NaN"]
     whole = content.encode()
     # In one block, so that all of a column decides on its type.
     how = csv.ReadOptions(use_threads=False, block_size=min(len(whole) + 1, 2**31 - 1), skip_rows=first)
     if commented:
-        how.column_names = names.split(separator)
-    cells = csv.ConvertOptions(decimal_point=point, null_values=[] if texts else missing)
-    cells.column_types = dict.fromkeys(texts, pa.string())
-    table = csv.read_csv(pa.BufferReader(whole), how, csv.ParseOptions(delimiter=separator), cells)
-    return table.rename_columns([name.strip() for name in table.column_names])
+        how.column_names = names
+    types = csv.ConvertOptions(decimal_point=point, null_values=[] if texts else missing)
+    types.column_types = dict.fromkeys(texts, pa.string())
+    table = csv.read_csv(pa.BufferReader(whole), how, csv.ParseOptions(delimiter=separator), types)
+    return table.rename_columns([name.strip() for name in table.column_names]), point
 
 
 def _text(path: Path) -> str:
@@ -334,31 +362,35 @@ def _chart(names: list[str], what: str) -> Chart:
     return recognise(names, what)
 
 
-def _read(table: "pa.Table", chart: Chart, what: str, first: int = 0) -> Columns:
+def _read(table: "pa.Table", chart: Chart, what: str, first: int = 0, point: str = ".") -> Columns:
     """Columns that say where the disk is as numbers, and the user's own as they can be stored.
 
-    first: number of the first row.
+    first: number of the first row. point: the decimal point of texts.
     """
     numbers = chart.present(table.column_names)
     return {
-        name: _numbers(table.column(name), f"{what}: column {name!r}", first)
+        name: _numbers(table.column(name), f"{what}: column {name!r}", first, point)
         if name in numbers
         else _own(table.column(name), f"{what}: column {name!r}")
         for name in table.column_names
     }
 
 
-def _numbers(column: Any, what: str, first: int) -> Array:
+def _numbers(column: Any, what: str, first: int, point: str) -> Array:
     """Doubles; NaN where a cell says that there is none. Raises InputError for another text."""
     import pyarrow.types as types
 
     if any(test(column.type) for test in (types.is_integer, types.is_floating, types.is_decimal)):
         return np.array(column.cast("float64", safe=False).to_numpy())
     cells = column.to_pylist()
-    read = [math.nan if c is None or str(c).strip().lower() in _MISSING else double_of(c) for c in cells]
+    swap = str.maketrans(".,", ",.") if point == "," else {}  # a double has no comma
+    plain = [cell.translate(swap) if isinstance(cell, str) else cell for cell in cells]
+    read = [math.nan if c is None or str(c).strip().lower() in _MISSING else double_of(c) for c in plain]
     if None in read:
         row = read.index(None)
-        number(f"{what}, row {first + row} (counted from 0)", cells[row])
+        where = f"{what}, row {first + row} (counted from 0)"
+        number(where, cells[row])
+        raise InputError(f"{said(where, cells[row])} is not a number where commas are decimal; write it with one")
     numbers = np.array(read, np.float64)
     if numbers.size and np.isnan(numbers).all():
         raise InputError(f"{what} holds no numbers, but {column.type}; give numbers, or rename the column")

@@ -222,11 +222,14 @@ def test_natural_units_and_copies_of_a_disk_give_no_warning(name):
 
 
 @pytest.mark.parametrize(
-    "quantity", [{"r": "12.1 mm"}, {"m": "5.67g"}, {"I1": "150 g cm^2"}, {"I3": "150 g cm^2"}]
+    "quantity",
+    [{"r": "12.1 mm"}, {"m": "5.67g"}, {"I1": "150 g cm^2"}, {"I3": "150 g cm^2"}, {"r": ".5 cm"}, {"r": "-1 m"}],
 )
 def test_a_number_with_a_unit_is_referred_to_the_call_that_reads_units(quantity):
     with pytest.raises(ex.InputError, match=r"Disk\.parse"):
         ex.Disk(**quantity)
+    with pytest.raises(ex.InputError, match=r"Disk\.parse"):
+        ex.Disk.from_ratios(**{"I1": 0.3} | quantity)
 
 
 def test_quantities_may_carry_units():

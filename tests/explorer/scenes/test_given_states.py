@@ -167,7 +167,7 @@ def test_a_damaged_file_is_told_in_one_sentence(content, message, tmp_path):
         ({name: [True] for name in NAMES}, "column 'phi', row 0 .*True is not a number"),
         (dict.fromkeys(NAMES, np.array([1], "M8[ns]")), "column 'phi', row 0 .*is not a number"),
         ({key: [None] for key in NAMES}, "column 'phi' holds no numbers"),
-        (pd.Series([1.0, 2.0]), "do not determine a state"),
+        (pd.Series([1.0, 2.0]), "is a column .*, not a row"),
         (np.ones((3, 5)), "is no table .*; give a path, a DataFrame, a dict of columns"),
         ("nowhere.csv", "cannot be read"),
     ],
@@ -259,6 +259,21 @@ TABLES = {
     "UTF-8 with a mark, CRLF": TABLE.replace("\n", "\r\n").encode("utf-8-sig"),
     "Latin-1": TABLE.replace(",x", ",°").encode("latin-1"),
     "Fortran": TABLE.replace("\n0.5,", "\n5.0D-01,").encode(),
+    "Excel": ("sep=;\n" + TABLE.replace(",", ";").replace(".", ",")).encode(),
+    "aligned": TABLE.replace(",", "   ").replace("\n", "  \n  ").encode(),
+    "header of numpy before a comment and a blank line": (
+        "# " + TABLE.replace("x\n", "x\n# tilt in rad\n\n")
+    ).encode(),
+    "quoted header after #": (
+        '# "'
+        + TABLE.replace("x\n", 'x"\n', 1)
+        .replace(",t", '","t', 1)
+        .replace("e,p", 'e","p')
+        .replace("n,s", 'n","s')
+        .replace("n,x", 'n","x')
+    ).encode(),
+    "comments of Matlab": ("% one\n%\n" + TABLE).encode(),
+    "comments between rows and after": TABLE.replace("\n0.5", "\n# one, two\n0.5").encode() + b"# end\n",
     "gzip": gzip.compress(TABLE.encode()),
     "gzip of UTF-16": gzip.compress(TABLE.encode("utf-16")),
 }
@@ -288,6 +303,9 @@ def test_lines_of_a_file_with_comments_are_counted_from_its_beginning(tmp_path):
         "Tilt,Tilt_Rate,Precession,Spin",
         "tilt [rad],tilt rate [rad/s],precession,spin",
         "tilt/rad,tilt_rate/s,precession,spin",
+        "tilt_deg,tilt_rate_deg_s,precession,spin",
+        "tilt deg,tilt.rate deg/s,precession,spin",
+        "tilt.deg,tiltdot,precession,spin",
     ],
 )
 def test_a_name_with_a_unit_or_capitals_is_understood_in_the_message(names, tmp_path):
@@ -300,6 +318,65 @@ def test_a_rate_with_a_unit_in_its_name_is_not_left_out_in_silence(tmp_path):
     (tmp_path / "some.csv").write_text("tilt,tilt_rate (deg/s),precession,spin\n1,2,3,4\n")
     with pytest.raises(ex.InputError, match="looks like 'tilt_rate'"):
         GivenStates.of("states", tmp_path / "some.csv")
+
+
+@pytest.mark.parametrize("name", ["thetadot", "tilt_rate_deg", "tiltdot", "theta_dot", "Phi_dot", "theta"])
+def test_another_tilt_or_rate_that_would_be_ignored_is_refused_with_its_remedy(name):
+    given = {"tilt": [0.2], name: [5.0], "precession": [3.0], "spin": [1.0]}
+    with pytest.raises(ex.InputError, match=f"'{name}' .*rename it"):
+        GivenStates.of("states", given)
+
+
+def test_a_second_tilt_beside_phi_is_refused():
+    with pytest.raises(ex.InputError, match=r"'tilt' .* beside phi, .*rename it, or leave it out"):
+        GivenStates.of("states", {key: [0.3] for key in (*NAMES, "tilt")})
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_coordinate_without_the_rest_of_its_set_agrees_with_the_state_or_is_refused(name):
+    given = {"tilt": [0.2, 0.3], "precession": [3.0, 3.0], "spin": [1.0, 1.0]}
+    states = ex.rates_to_states(DISK, **given)
+    values = getattr(states, name).copy()
+    assert GivenStates.of("states", given | {name: values}).read(DISK, 0, 2).states.ok.all()
+    values[1] += 0.1
+    with pytest.raises(ex.InputError, match=f"row 1: {name} is by tilt, .*, by {name} .*leave one set out"):
+        GivenStates.of("states", given | {name: values}).read(DISK, 0, 2)
+
+
+@pytest.mark.parametrize("sign", ["-", "\N{MINUS SIGN}"])
+def test_a_point_beside_decimal_commas_is_refused_by_row_column_and_text(sign, tmp_path):
+    table = f"tilt;precession;spin\n10,5;600,5;{sign}1,5\n10,5;1.600;1,5\n"
+    (tmp_path / "some.csv").write_text(table, encoding="utf-8")
+    with pytest.raises(ex.InputError, match=r"column 'precession', row 1 .*1\.600 is not a number where commas"):
+        GivenStates.of("states", tmp_path / "some.csv")
+    (tmp_path / "some.csv").write_text(table.replace("1.600", "1600"), encoding="utf-8")
+    assert GivenStates.of("states", tmp_path / "some.csv").columns["spin"].tolist() == [-1.5, 1.5]
+
+
+def test_dates_and_versions_do_not_decide_on_the_decimal_point(tmp_path):
+    (tmp_path / "some.csv").write_text("date;version;tilt;precession;spin\n01.02.2020;1.2;10,5;600;100\n")
+    found = GivenStates.of("states", tmp_path / "some.csv").columns
+    assert (found["tilt"][0], found["date"][0]) == (10.5, "01.02.2020")
+
+
+def test_a_label_that_begins_with_a_hash_is_no_comment(tmp_path):
+    (tmp_path / "some.csv").write_text("name,tilt,precession,spin\n#1,0.1,2,3\n#2,0.2,2,3\n")
+    assert GivenStates.of("states", tmp_path / "some.csv").columns["name"].tolist() == ["#1", "#2"]
+
+
+@pytest.mark.parametrize("content", [b"", b"PAR1", b"tilt,precession,spin\n1,2,3\n"])
+@pytest.mark.parametrize("name", ["a.parquet", "z.parquet"])
+def test_a_file_of_a_folder_that_is_no_parquet_is_named(name, content, columns, tmp_path):
+    pyarrow.parquet.write_table(pyarrow.table(columns), tmp_path / "m.parquet")
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(ex.InputError, match=rf"{name[0]}\.parquet.*remove it, or write it again"):
+        GivenStates.of("states", tmp_path)
+
+
+def test_a_column_of_a_frame_is_told_from_a_row():
+    frame = pd.DataFrame({"tilt": [0.5], "precession": [1.0], "spin": [3.0]}, index=["a"])
+    with pytest.raises(ex.InputError, match="is a column of a frame, not a row; give the frame"):
+        GivenStates.of("states", frame["tilt"])
 
 
 def test_rows_without_numbers_are_told_with_their_cells_as_they_are_written(tmp_path, capsys):
@@ -351,8 +428,8 @@ def test_every_column_of_a_table_comes_back_and_none_under_a_name_with_another_m
         "tilt": [0.3],
         "precession": [2.0],
         "spin": [1.0],
-        "phi": [3.0],  # of a video
-        "sigma4": [9.0],
+        "phi": [np.pi / 2 - 0.3],
+        "sigma4": [1.0],
         "theta_min": [0.1],
         "given_phi": [4.0],
         "status": ["seen"],
