@@ -126,7 +126,7 @@ class Run:
         Examples
         --------
         >>> import explorer as ex
-        >>> len(ex.run("race-angles", samples=100, chunk_size=50, progress=False).complete())
+        >>> len(ex.run("race-angles", samples=100, chunk_size=64, progress=False).complete())
         2
         """
         if self._parts:

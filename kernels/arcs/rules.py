@@ -318,7 +318,7 @@ def difference(new: float, old: float, older: float, size: float) -> float:
 
 
 @contracted_subroutine
-def found_in(A: Vector, i: int, accuracy: float) -> tuple[ArcRow[float], float]:
+def found_in(A: Vector, i: int) -> tuple[ArcRow[float], float]:
     """The arc in lane i, and the part of its error that more nodes would lessen: rad, or relative of the time."""
     time, chi, psi = A[_TIME + i], A[_CHI + i], A[_PSI + i]
     turn = 1.0 + abs(chi) + abs(psi)
@@ -329,11 +329,7 @@ def found_in(A: Vector, i: int, accuracy: float) -> tuple[ArcRow[float], float]:
     left = _SAFETY * math.sqrt(largest)
     # Of the time alone two rules may agree by chance; the angles ask for as many nodes anyhow.
     angle, off = left * turn * (of_chi + of_psi), left * largest
-    # Nor need the kink be the last doubling: within the accuracy asked this is as if it were the one before.
-    before = abs(A[_OLD_TIME + i] - A[_OLDER_TIME + i]) / time
-    slower = max(largest, before * math.sqrt(before))
-    time_error = time * (max(off, min(_SAFETY * slower * math.sqrt(slower), accuracy)) + A[_MOVED + i])
-    time_error += _ROUNDING * A[_TIME_ROUNDED + i]
+    time_error = time * (off + A[_MOVED + i]) + _ROUNDING * A[_TIME_ROUNDED + i]
     angle_error = angle + (abs(chi) + abs(psi)) * A[_MOVED + i] + _ROUNDING * A[_ROUNDED + i]
     return ArcRow(time, chi, psi, time_error, angle_error), max(angle, off)
 
@@ -415,7 +411,7 @@ def arc_batch(kinds: Longs, arcs: Arcs, accuracy: float, rule: Rule, chart: Char
                 integrate(A, kind, size, rule, chart.body)
                 for i in range(min(LANES, m - first)):
                     j = now[first + i]
-                    row, missing = found_in(A, i, accuracy)
+                    row, missing = found_in(A, i)
                     put(row, out, j)
                     if missing > accuracy:
                         rows[left], sizes[left] = j, size
