@@ -186,7 +186,7 @@ def passages_by(
 ) -> tuple[Passages, NDArray[np.int32] | None]:
     """As `passages`, by a plan that was made, which may name its setting; and the steps of an integrator.
 
-    edge: as `_edge_of`. tables: False for quadrature by arcs alone.
+    edge: of the window, in x = ln tan(theta/2) below the vertical. tables: False for quadrature by arcs alone.
     """
     if how.method == "quadrature":
         some = [rows_of(starts, rows) for rows in blocks(starts.status.size)]

@@ -172,7 +172,7 @@ class GivenStates:
     def read(self, disk: Disk, first: int, count: int, quiet: bool = True) -> Block:
         """Rows first ... first + count - 1. Raises InputError where the file has been damaged since.
 
-        quiet: as of `Chart.states`.
+        quiet: gives no warning of tilts that look like degrees.
         """
         if self.opened is not self:
             return self.opened.read(disk, first, count)
@@ -235,15 +235,13 @@ class GivenStates:
         return _read(table, chart, self.what, first)
 
     def told(self, rows: list[int]) -> list[str]:
-        """Rows by number, each with those of its cells, as they are written, that hold no number."""
+        """Rows by number, each with the columns in which it has no number."""
         given = self.opened
         if given.chart is None:
             return list(map(str, rows))
         columns = given._piece(given.chart, 0, max(rows) + 1) if given.columns is None else given.columns
-        names = given.chart.present(columns)
-        texts = _csv(given.path, names)[0] if given.path and given.columns else columns
-        cells = [[f"{n} {str(texts[n][row])!r}" for n in names if math.isnan(columns[n][row])] for row in rows]
-        return [f"{row} ({', '.join(at)})" if at else f"{row}" for row, at in zip(rows, cells, strict=True)]
+        empty = {row: [n for n in given.chart.present(columns) if math.isnan(columns[n][row])] for row in rows}
+        return [f"{row} (no {', '.join(names)})" if names else f"{row}" for row, names in empty.items()]
 
 
 def coordinates_of(states: States) -> Columns:
@@ -301,11 +299,8 @@ def _table(given: Any, what: str) -> "pa.Table":
         ) from None
 
 
-def _csv(path: Path, texts: Collection[str] = ()) -> tuple["pa.Table", str]:
-    """A CSV file, with commas, semicolons, tabs or spaces, and its decimal point. Lines with # or % are comments.
-
-    texts: columns whose cells are left as they are written.
-    """
+def _csv(path: Path) -> tuple["pa.Table", str]:
+    """A CSV file, with commas, semicolons, tabs or spaces, and its decimal point. Lines with # or % are comments."""
     import pyarrow as pa
     from pyarrow import csv
 
@@ -334,8 +329,7 @@ def _csv(path: Path, texts: Collection[str] = ()) -> tuple["pa.Table", str]:
     how = csv.ReadOptions(use_threads=False, block_size=min(len(whole) + 1, 2**31 - 1), skip_rows=first)
     if commented:
         how.column_names = names
-    types = csv.ConvertOptions(decimal_point=point, null_values=[] if texts else missing)
-    types.column_types = dict.fromkeys(texts, pa.string())
+    types = csv.ConvertOptions(decimal_point=point, null_values=missing)
     table = csv.read_csv(pa.BufferReader(whole), how, csv.ParseOptions(delimiter=separator), types)
     return table.rename_columns([name.strip() for name in table.column_names]), point
 

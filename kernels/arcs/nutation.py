@@ -158,7 +158,7 @@ def erred(coefficients: Vector, off: float) -> float:
 
 @contracted_subroutine
 def partly(A: Vector, i: int, to: float, rest: float, slack: float) -> ArcRow[float]:
-    """Integrals from the inner end over `to` of the length; slack: as in the work array.
+    """Integrals from the inner end over `to` of the length; slack: what rounding leaves unknown of it, as a share.
 
     A motion that is steady to rounding is at either end at any time.
     """

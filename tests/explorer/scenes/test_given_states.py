@@ -379,15 +379,15 @@ def test_a_column_of_a_frame_is_told_from_a_row():
         GivenStates.of("states", frame["tilt"])
 
 
-def test_rows_without_numbers_are_told_with_their_cells_as_they_are_written(tmp_path, capsys):
+def test_rows_without_numbers_are_told_with_the_columns_that_have_none(tmp_path, capsys):
     table = "tilt,tilt_rate,precession,spin\n0.2,0,1,1\nN/A,-,n/a,1\n9.0,0,1,1\n0.3,0,1,1\n"
     (tmp_path / "some.csv").write_text(table)
     where = ("--states", tmp_path / "some.csv", "--out", tmp_path / "run")
     status, out, _ = said(capsys, "run", "falling-set", *where, "--no-figures", "--quiet")
     assert status == 0
-    assert "row 1 (tilt 'N/A', tilt_rate '-', precession 'n/a'), 2\n" in out
+    assert "row 1 (no tilt, tilt_rate, precession), 2\n" in out
     run = ex.run("falling-set", states={"tilt": [0.2, None], "precession": [1, 1], "spin": [1, 1]})
-    assert "row 1 (tilt 'nan')" in run.headline[-1]
+    assert "row 1 (no tilt)" in run.headline[-1]
 
 
 def test_a_folder_of_parquet_is_one_table_and_so_are_the_chunks_of_a_run(columns, tmp_path):
