@@ -18,7 +18,7 @@ import sys
 import warnings
 from collections.abc import Sequence
 from importlib import import_module
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple, NoReturn, TextIO
 
 from explorer.errors import (
     InputError,
@@ -159,8 +159,9 @@ def _outer_parser() -> Parser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit status."""
+    alone = arguments is None
     words = sys.argv[1:] if arguments is None else [str(word) for word in arguments]
-    if arguments is None:
+    if alone:
         for stream in (sys.stdout, sys.stderr):  # a path may have letters that a terminal or a log file has not
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="backslashreplace")
@@ -182,17 +183,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
             options = parser_of(asked.command, asked.words).parse_args(asked.words)
             options.command_line = shlex.join(["nearflat", *words])
             found = options.call(options)
-            print(json.dumps(found.record) if options.json else found.text, flush=True)
+            _conclude(json.dumps(found.record) if options.json else found.text, sys.stdout, alone)
         return int(found.status)
     except BrokenPipeError:  # whoever read what was printed has gone, and Python must not complain at its end
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
     except (Interrupted, KeyboardInterrupt) as error:
-        return _complain(name, error if str(error) else "interrupted", 130)
+        status, message = 130, str(error) or "interrupted"
     except (InputError, ImportError) as error:
-        return _complain(name, error, 2)
+        status, message = 2, str(error)
     except (RunError, OSError) as error:
-        return _complain(name, error, 1)
+        status, message = 1, str(error)
+    with contextlib.suppress(OSError):  # the terminal may be closed
+        _conclude(f"{name}: {message}", sys.stderr, alone)
+    return status
 
 
 def _require_known(name: str) -> None:
@@ -205,10 +209,14 @@ def _require_known(name: str) -> None:
         raise InputError(f"{name!r} is no command; {suggest(name, list(COMMANDS))}\nTry 'nearflat --help'.")
 
 
-def _complain(name: str, error: object, status: int) -> int:
-    with contextlib.suppress(OSError):  # the terminal may be closed
-        print(f"{name}: {error}", file=sys.stderr)
-    return status
+def _conclude(text: str, stream: TextIO, alone: bool) -> None:
+    """Print the last words of a command. alone: whether its process ends with it.
+
+    From then on a signal is ignored: it could only add a traceback, or change an exit status that is decided.
+    """
+    for number in (signal.SIGINT, signal.SIGTERM) if alone else ():
+        signal.signal(number, signal.SIG_IGN)
+    print(text, file=stream, flush=True)
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from explorer.errors import RunError, shorten
+from explorer.motion.threads import require_wanted
 from explorer.phase.results import status_codes, to_arrow
 from explorer.scenes.scene import Scene, Table
 
@@ -136,6 +137,7 @@ def make_chunk(scene: Scene, index: int, identity: str, folder: Path | None) -> 
     content = stream.getvalue().to_pybytes()
     chunk = Chunk(f"chunk-{index:06d}-{sha256(content)[:16]}.parquet", content)
     if folder is not None:
+        require_wanted()  # after a second interrupt the folder's lock is free, and nothing is written
         chunk = chunk._replace(content=commit(folder / "chunks" / chunk.name, content))
     return chunk, dict(tally.status)
 

@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import BrokenExecutor
 from functools import cache, partial
 from pathlib import Path
@@ -18,6 +18,7 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from explorer.errors import RunError
+from explorer.motion.threads import Group
 from explorer.runs import folder as folders
 from explorer.runs.interrupt import SIGNALS, withheld
 from explorer.runs.settings import Settings
@@ -67,19 +68,24 @@ def compute(scene: Scene, known: dict[str, Any], folder: Path | None, index: int
         raise RunError(f"scene {scene.name}: {where}: {type(error).__name__}: {in_one_line(error)}") from error
 
 
-def compute_all(scene: Scene, missing: list[int], settings: Settings, stop: threading.Event) -> Iterator[Done]:
+def compute_all(
+    scene: Scene, missing: list[int], settings: Settings, stop: threading.Event
+) -> Generator[Done, None, None]:
     """Compute and store chunks, in any order, and give each as it is done.
 
     Starts no further chunk once `stop` is set. Raises RunError where a chunk or a worker fails.
     """
+    if not missing:
+        return
     folder = settings.out and settings.out.resolve()  # workers see the same file system
-    call: Callable[[int], Done | None]
-    task = call = partial(compute, scene, folders.identity(scene), folder)
+    task = partial(compute, scene, folders.identity(scene), folder)
     # By one thread joblib means this one, in which each kernel needs a thread of its own so that Ctrl-C is heard.
     # With two, chunks go to other threads than this one, no more at once than there are jobs.
-    jobs = min(settings.jobs, len(missing))
+    group, jobs = Group(), min(settings.jobs, len(missing))
+    call: Callable[[int], Done | None] = partial(group.call, task)
     how: dict[str, Any] = {"n_jobs": max(jobs, 2), "backend": "threading", "pre_dispatch": jobs}
     if settings.backend == "processes":
+        call = task
         how |= {
             "n_jobs": jobs,
             "backend": "loky",
@@ -96,6 +102,7 @@ def compute_all(scene: Scene, missing: list[int], settings: Settings, stop: thre
         with withheld() if settings.backend == "processes" else contextlib.nullcontext():
             made = pool(delayed(call)(index) for index in missing if not stop.is_set())
         until_done.enter_context(contextlib.closing(made))
+        until_done.callback(group.end)
         try:
             yield from filter(None, made)
         except BrokenExecutor as error:

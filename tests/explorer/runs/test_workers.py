@@ -1,6 +1,8 @@
 """Workers of every kind, killed and stopped, give the numbers of an undisturbed run."""
 
+import _thread
 import contextlib
+import io
 import itertools
 import json
 import os
@@ -179,6 +181,92 @@ def test_the_second_signal_ends_at_once(tickets, tmp_path):
         assert text in told(done, text)
     done.communicate(timeout=LIMIT)
     assert done.returncode == 130
+
+
+class Held(Coins):
+    """Waits for a test."""
+
+    begun, let_go, at_work = threading.Event(), threading.Event(), []
+
+    def observe(self, drawn):
+        self.at_work.append(threading.current_thread())
+        self.begun.set()
+        self.let_go.wait()
+        return super().observe(drawn)
+
+
+def test_what_is_left_at_the_second_signal_writes_nothing(tmp_path, monkeypatch):
+    folder, said = tmp_path / "run", io.StringIO()
+    monkeypatch.setattr(sys, "stderr", said)
+    heard = signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    def twice():
+        Held.begun.wait()
+        _thread.interrupt_main()
+        until(lambda: "interrupt again to stop now" in said.getvalue())
+        _thread.interrupt_main()
+
+    threading.Thread(target=twice).start()
+    try:
+        with pytest.raises(KeyboardInterrupt, match="continue with: nearflat resume"):
+            ex.run(Held, out=folder, progress=False, jobs=2, **SMALL)
+    finally:
+        Held.let_go.set()
+        signal.signal(signal.SIGINT, heard)
+    until(lambda: not any(thread.is_alive() for thread in Held.at_work))
+    assert there(folder) == 0
+    assert not [*folder.rglob("*.tmp")]
+
+
+@pytest.mark.long
+@pytest.mark.filterwarnings("default")  # Jupyter's client has warnings of its own
+def test_in_a_notebook_the_second_interrupt_leaves_variables_alive_and_runs_can_be_made(tmp_path, monkeypatch):
+    from jupyter_client.manager import start_new_kernel
+
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(sys.path))
+    manager, client = start_new_kernel(startup_timeout=LIMIT)
+
+    def message(kind, text=""):
+        """The content of the next message of this kind that has this text."""
+        while True:
+            got = client.get_iopub_msg(timeout=LIMIT)
+            if got["msg_type"] == kind and text in got["content"].get("text", ""):
+                return got["content"]
+
+    try:
+        client.execute("import glob, os, explorer as ex; from coins import Coins")
+        client.execute("mine, ended, pid = 42, 0, os.getpid()")
+        for backend in ("threads", "processes"):
+            folder, tickets = tmp_path / backend, Tickets(tmp_path / f"tickets-{backend}")
+            tickets.give(3)
+            client.execute(f"os.environ['COINS_TICKETS'] = {str(tickets.folder)!r}")
+            call = f"ex.run(Coins, out={str(folder)!r}, figures=False, jobs=2, **{MANY}, backend="
+            client.execute(f"try: {call}{backend!r})\nfinally: ended += 1", stop_on_error=False)
+            until(lambda folder=folder: there(folder) == 3)
+            manager.interrupt_kernel()
+            message("stream", "interrupt again to stop now")
+            manager.interrupt_kernel()
+            error = message("error")
+            assert error["ename"] == "KeyboardInterrupt"
+            assert "continue with: nearflat resume" in error["evalue"]
+            assert there(folder) == 3
+            client.execute("print('left', glob.glob(f'/dev/shm/*-{pid}-*'))")
+            assert message("stream", "left")["text"] == "left []\n"
+            tickets.free()
+            client.execute(f"print('again', mine, ended, {call}'threads', progress=False).status.chunks_done)")
+            assert message("stream", "again")["text"].split()[1:] == ["42", str(1 + (backend != "threads")), "24"]
+    finally:
+        client.stop_channels()
+        manager.shutdown_kernel(now=True)
+
+
+@pytest.mark.parametrize(("backend", "number"), [("processes", signal.SIGINT), ("threads", signal.SIGTERM)])
+def test_a_signal_after_the_answer_changes_nothing(backend, number, tmp_path):
+    done = nearflat(*command(tmp_path / "run", "--backend", backend, "--quiet"))
+    assert done.stdout.readline().startswith("{")
+    done.send_signal(number)
+    _, err = done.communicate(timeout=LIMIT)
+    assert (done.returncode, err) == (0, "")
 
 
 def family(pid):
