@@ -7,7 +7,9 @@ thread does that, and the one that hears signals waits for it.
 
 from __future__ import annotations
 
+import math
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_EXCEPTION, Future, wait
 from functools import partial
@@ -77,7 +79,7 @@ def in_parts(jobs: int, count: int, call: Callable[[slice], Done], size: int | N
         return [call(slice(first + rows.start, first + rows.stop)) for rows in parts]
 
     calls = [partial(in_turn, *part) for part in pairwise(ends)]
-    return [each for part in (_side_by_side(calls) if len(calls) > 1 else [calls[0]()]) for each in part]
+    return [each for part in (side_by_side(calls) if len(calls) > 1 else [calls[0]()]) for each in part]
 
 
 def attended(kernel: Callable[[], None], end: Callable[[], None] = lambda: None) -> None:
@@ -91,20 +93,20 @@ def attended(kernel: Callable[[], None], end: Callable[[], None] = lambda: None)
         try:
             require_wanted()  # after `end` is there: one of both ends the kernel, whenever nobody waits any more
             kernel()
-            require_wanted()  # a kernel that was ended has no results
         finally:
             group.ends.remove(end)
     elif threading.current_thread() is threading.main_thread():
-        _side_by_side([partial(attended, kernel, end)])
+        side_by_side([partial(attended, kernel, end)])
     else:
         kernel()
 
 
-def _side_by_side(calls: Sequence[Callable[[], Done]]) -> list[Done]:
+def side_by_side(calls: Sequence[Callable[[], Done]], seconds: float = math.inf) -> list[Done]:
     """The results of calls, each in a thread of its own; where one fails, its error, and the others are left.
 
-    Python does not wait for these threads where it ends.
+    seconds: for how long; then TimeoutError is raised. Python does not wait for these threads where it ends.
     """
+    limit = time.monotonic() + seconds
     group, futures = Group(), [Future[Done]() for _ in calls]
 
     def run(call: Callable[[], Done], future: Future[Done]) -> None:
@@ -118,6 +120,8 @@ def _side_by_side(calls: Sequence[Callable[[], Done]]) -> list[Done]:
             threading.Thread(target=run, args=each, daemon=True).start()
         left = set(futures)
         while left:
+            if time.monotonic() > limit:
+                raise TimeoutError
             ended, left = wait(left, _HEARD, FIRST_EXCEPTION)
             for future in ended:
                 future.result()

@@ -165,9 +165,8 @@ def _locked(path: Path) -> contextlib.AbstractContextManager[Any]:
     try:
         return FileLock(path, fallback_to_soft=False, on_acquired=sign).acquire(timeout=0)
     except Timeout:
-        owner = ""
-        with contextlib.suppress(OSError):  # Windows lets nobody else read it
-            owner = f" ({shown(path.read_text(errors='replace'))})"
+        # Windows lets nobody else read what is locked.
+        owner = f" ({shown(path.read_text(errors='replace'))})" if os.name == "posix" else ""
         remedy = f"wait, end that process, or give another folder; if its machine has failed, delete {path}"
         raise InputError(f"out {path.parent}: another run is at work there{owner}; {remedy}") from None
     except OSError as error:

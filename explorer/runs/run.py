@@ -431,7 +431,7 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
     folders.write_record(folder, scene, how)
     compiled.warmup(scene.kernels, say)  # takes long; what is stopped now can be resumed
     with stopping(settings.onward) as stop:
-        deque(_computed(scene, settings, missing, stop), maxlen=0)
+        deque(_computed(scene, settings, missing, stop) if missing else (), maxlen=0)
         how |= {"chunks_computed": len(missing), "seconds_for_chunks": round(time.monotonic() - clock, 3)}
         run, summary, drawn = Run(scene, folder=folder), folder / "summary.json", folder / "figures"
         try:

@@ -9,6 +9,7 @@ import os
 import random
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -22,7 +23,7 @@ import tqdm.std
 from coins import SMALL, Coins
 
 import explorer as ex
-from explorer.runs import workers
+from explorer.runs import cluster, workers
 from explorer.runs.folder import identity
 
 SCENE = f"{Path(coins.__file__).resolve()}:Coins"
@@ -354,27 +355,30 @@ def test_progress_is_shown_where_a_run_takes_longer_than_two_seconds(step, quiet
 # A dask cluster
 
 
-def dask(kind, *words, tickets=""):
-    """A scheduler or a worker on the loopback, in a process of its own."""
+def dask(kind, *words, tickets="", path=()):
+    """A scheduler or a worker on the loopback, in a process of its own. path: what Python looks at first."""
     common = ["--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0"]
     more = ["--nthreads", "1", "--no-nanny"] if kind == "worker" else []
     full = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *words, *more, *common]
-    environment = {**os.environ, "COINS_TICKETS": str(tickets), "PYTHONPATH": os.pathsep.join(sys.path)}
+    path = os.pathsep.join([*map(str, path), *sys.path])
+    environment = {**os.environ, "COINS_TICKETS": str(tickets), "PYTHONPATH": path}
     return subprocess.Popen(full, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
 
 
 @contextlib.contextmanager
-def a_cluster(count, tickets):
-    """A real scheduler and its workers; yields a client of it and the workers' processes."""
+def a_cluster(count, tickets, path=()):
+    """A real scheduler and its workers; yields a client of it, and the processes of the workers and of itself."""
     distributed = pytest.importorskip("distributed")
     file = tickets.folder.with_name("scheduler.json")
     running = [dask("scheduler", "--port", "0", "--scheduler-file", file)]
     try:
         until(lambda: running[0].poll() is not None or (file.exists() and file.read_text().endswith("}")))
-        running += [dask("worker", "--scheduler-file", file, tickets=tickets.folder) for _ in range(count)]
+        running += [
+            dask("worker", "--scheduler-file", file, tickets=tickets.folder, path=path) for _ in range(count)
+        ]
         with distributed.Client(scheduler_file=str(file), timeout=LIMIT) as client:
             client.wait_for_workers(count, timeout=LIMIT)
-            yield client, running[1:]
+            yield client, [*running[1:], running[0]]
     finally:
         for process in running:
             process.kill()
@@ -395,7 +399,7 @@ def killing(folder, worker, tickets):
 
 
 # So that a signal comes before the seconds are over after which a run without a worker ends by itself.
-PATIENT = "from explorer.runs import workers\nworkers._LOOKS = 10**6\n"
+PATIENT = "from explorer.runs import cluster\ncluster._PATIENCE = 10**6\n"
 
 
 def test_a_cluster_loses_its_workers_one_after_the_other(digest, tickets, tmp_path, monkeypatch):
@@ -425,9 +429,87 @@ def test_a_cluster_loses_its_workers_one_after_the_other(digest, tickets, tmp_pa
     assert "stopped with 0 of 24 chunks done; continue with: nearflat resume" in err
 
 
-def test_a_scheduler_that_is_not_there_is_named(tmp_path, monkeypatch):
+@pytest.mark.skipif(os.name == "nt", reason="no process can be frozen there")
+@pytest.mark.parametrize(
+    ("frozen", "message"), [(1, "the scheduler does not answer"), (0, "the workers are silent")]
+)
+def test_a_run_ends_where_a_scheduler_or_a_worker_is_frozen(frozen, message, tickets, tmp_path, monkeypatch):
+    folder = tmp_path / "run"
+    with a_cluster(1, tickets) as (client, processes):
+        where = {"backend": "dask", "scheduler": client.scheduler.address, "progress": False, "figures": False}
+
+        def freeze():
+            until(lambda: there(folder) == 3)
+            processes[frozen].send_signal(signal.SIGSTOP)
+            monkeypatch.setattr(cluster, "_SILENCE", 3.0)  # the sooner the end is there
+
+        threading.Thread(target=freeze).start()
+        with pytest.raises(ex.RunError, match=f"{message}; continue with: .*--backend dask --scheduler tcp"):
+            ex.run(Coins, out=folder, **where, **MANY)
+        processes[frozen].send_signal(signal.SIGCONT)
+    assert there(folder) >= 3
+
+
+# What workers on other machines may lack; Python runs this when it starts.
+NO_NEARFLAT = """
+class Hidden:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] == "explorer":
+            raise ModuleNotFoundError(f"No module named {name!r}")
+import sys
+sys.meta_path.insert(0, Hidden())
+"""
+NO_FOLDER = """
+from pathlib import Path
+plain = Path.is_dir
+Path.is_dir = lambda self: self.name != "run" and plain(self)
+"""
+OTHER_FOLDER = """
+import os
+from pathlib import Path
+plain = Path.replace
+Path.replace = lambda self, target: plain(self, Path(os.environ["COINS_TICKETS"]).parent / Path(target).name)
+"""
+
+
+@pytest.mark.parametrize(
+    ("lack", "message"),
+    [
+        (NO_NEARFLAT, "worker tcp.*: No module named 'explorer.*"),
+        (NO_FOLDER, "worker tcp.* has not this folder .*run; all machines must share it"),
+        (OTHER_FOLDER, "worker tcp.* has not this folder .*run; all machines must share it"),
+    ],
+)
+def test_what_a_worker_lacks_is_told_at_its_first_chunk(lack, message, tickets, tmp_path):
+    folder = tmp_path / "run"
+    (tmp_path / "sitecustomize.py").write_text(lack)
+    with a_cluster(1, tickets, [tmp_path]) as (client, _):
+        where = {"backend": "dask", "scheduler": client.scheduler.address, "progress": False, "figures": False}
+        with pytest.raises(ex.RunError, match=f"{message}; continue with: .*--backend dask --scheduler tcp"):
+            ex.run(Coins, out=folder, **where, **MANY)
+    assert there(folder) == 0
+
+
+@pytest.mark.parametrize("answers", [False, True])
+def test_a_scheduler_that_is_not_there_or_never_answers_is_named(answers, tmp_path, monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(cluster, "_PATIENCE", 0.5)
+    with socket.socket() as silent:
+        silent.bind(("127.0.0.1", 0))
+        if answers:
+            silent.listen()
+        address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
+        why = "no answer" if answers else "Timed out"
+        with pytest.raises(ex.RunError, match=rf"scheduler {address}: cannot be reached \({why}.*continue with"):
+            ex.run(Coins, out=tmp_path / "run", backend="dask", scheduler=address, progress=False, **SMALL)
+
+
+def test_where_no_workers_can_be_started_here_a_scheduler_is_asked_for(monkeypatch):
     distributed = pytest.importorskip("distributed")
-    patient, address = distributed.Client, "tcp://127.0.0.1:9"
-    monkeypatch.setattr(distributed, "Client", lambda address, timeout: patient(address, timeout=0.5))
-    with pytest.raises(ex.RunError, match=f"{address}: cannot be reached"):
-        ex.run(Coins, out=tmp_path / "run", backend="dask", scheduler=address, progress=False, **SMALL)
+
+    def failing(**options):
+        raise RuntimeError("Nanny failed to start.")
+
+    monkeypatch.setattr(distributed, "LocalCluster", failing)
+    with pytest.raises(ex.RunError, match=r"^backend dask: .*Nanny failed.*give the address of a scheduler"):
+        ex.run(Coins, backend="dask", progress=False, **SMALL)
