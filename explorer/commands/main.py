@@ -159,9 +159,8 @@ def _outer_parser() -> Parser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit status."""
-    alone = arguments is None
     words = sys.argv[1:] if arguments is None else [str(word) for word in arguments]
-    if alone:
+    if arguments is None:
         for stream in (sys.stdout, sys.stderr):  # a path may have letters that a terminal or a log file has not
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="backslashreplace")
@@ -183,7 +182,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             options = parser_of(asked.command, asked.words).parse_args(asked.words)
             options.command_line = shlex.join(["nearflat", *words])
             found = options.call(options)
-            _conclude(json.dumps(found.record) if options.json else found.text, sys.stdout, alone)
+            _conclude(json.dumps(found.record) if options.json else found.text, sys.stdout, arguments is None)
         return int(found.status)
     except BrokenPipeError:  # whoever read what was printed has gone, and Python must not complain at its end
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -195,7 +194,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (RunError, OSError) as error:
         status, message = 1, str(error)
     with contextlib.suppress(OSError):  # the terminal may be closed
-        _conclude(f"{name}: {message}", sys.stderr, alone)
+        _conclude(f"{name}: {message}", sys.stderr, arguments is None)
     return status
 
 

@@ -21,15 +21,14 @@ from explorer.runs.interrupt import withheld
 from explorer.runs.settings import Settings
 from explorer.runs.store import Done, in_one_line
 
+_PAUSE = 0.05  # seconds between two looks at the chunks; no worker waits, since each has a second one
 _LOOK = 1.0  # seconds between two looks at the workers
 _PATIENCE = 7.0  # seconds for an answer, and without any worker; a nanny starts a new one in two or three
 # Seconds without a sign of life; code of a user that holds Python's lock keeps a worker from giving one.
 _SILENCE = 60.0
 
 
-def from_cluster(
-    task: Callable[[int], Done], missing: list[int], settings: Settings, stop: Event
-) -> Iterator[Done]:
+def on_cluster(task: Callable[[int], Done], missing: list[int], settings: Settings, stop: Event) -> Iterator[Done]:
     """Give chunks as they are done, two at a time for each thread of the workers. Raises RunError."""
     import cloudpickle
     import distributed
@@ -46,13 +45,15 @@ def from_cluster(
             raise
 
     where = f"scheduler {settings.scheduler}" if settings.scheduler else "backend dask"
-    due, running, workers, news = iter(missing), set[Any](), dict[str, Any](), Event()
+    due, running, workers = iter(missing), set[Any](), dict[str, Any]()
     heard, looked = time.monotonic(), -math.inf
     try:
         with _cluster(settings) as client:
             while True:
                 if time.monotonic() > looked + _LOOK:
-                    before, workers, looked = workers, _workers(client), time.monotonic()
+                    known = client.sync(client.scheduler.identity, callback_timeout=_SILENCE)["workers"]
+                    before, looked = workers, time.monotonic()
+                    workers = {name: (each["nthreads"], each["last_seen"]) for name, each in known.items()}
                     heard = looked if workers != before else heard
                     if stop.is_set() and not workers:
                         return
@@ -60,13 +61,11 @@ def from_cluster(
                         start = f"there is no worker; start one with: dask worker {client.scheduler.address}"
                         raise RunError("the workers are silent" if workers else start)
                 most = 0 if stop.is_set() else 2 * max(1, sum(threads for threads, _ in workers.values()))
-                for index in islice(due, max(0, most - len(running))):
-                    running.add(future := client.submit(at_worker, index, pure=False))
-                    future.add_done_callback(lambda _: news.set())
+                more = islice(due, max(0, most - len(running)))
+                running |= {client.submit(at_worker, index, pure=False) for index in more}
                 if not running:
                     return
-                news.wait(_LOOK)
-                news.clear()
+                time.sleep(_PAUSE)
                 with contextlib.suppress(TimeoutError):  # of a result that is lost with its worker
                     for future in filter(distributed.Future.done, [*running]):
                         name, done = future.result(_PATIENCE)
@@ -82,12 +81,6 @@ def from_cluster(
     except (OSError, distributed.KilledWorker, distributed.CancelledError) as error:
         fault = f"workers or their scheduler were killed ({in_one_line(error)})"
     raise RunError(f"{where}: {fault}; {settings.onward}")
-
-
-def _workers(client: Any) -> dict[str, tuple[int, float]]:
-    """The threads of each worker, and when the scheduler heard of it last. Raises TimeoutError."""
-    known = client.sync(client.scheduler.identity, callback_timeout=_SILENCE)["workers"]
-    return {name: (worker["nthreads"], worker["last_seen"]) for name, worker in known.items()}
 
 
 @contextlib.contextmanager

@@ -19,7 +19,7 @@ from joblib import Parallel, delayed
 from explorer.errors import RunError
 from explorer.motion.threads import Group
 from explorer.runs import folder as folders
-from explorer.runs.cluster import from_cluster
+from explorer.runs.cluster import on_cluster
 from explorer.runs.interrupt import SIGNALS, withheld
 from explorer.runs.settings import Settings
 from explorer.runs.store import Done, in_one_line, make_chunk
@@ -65,9 +65,7 @@ def compute(scene: Scene, known: dict[str, Any], folder: Path | None, index: int
         raise RunError(f"scene {scene.name}: {where}: {type(error).__name__}: {in_one_line(error)}") from error
 
 
-def compute_all(
-    scene: Scene, missing: list[int], settings: Settings, stop: threading.Event
-) -> Generator[Done, None, None]:
+def compute_all(scene: Scene, missing: list[int], settings: Settings, stop: threading.Event) -> Generator[Done]:
     """Compute and store chunks, in any order, and give each as it is done.
 
     Starts no further chunk once `stop` is set. Raises RunError where a chunk or a worker fails.
@@ -75,7 +73,7 @@ def compute_all(
     folder = settings.out and settings.out.resolve()  # workers see the same file system
     task = partial(compute, scene, folders.identity(scene), folder)
     if settings.backend == "dask":
-        yield from from_cluster(task, missing, settings, stop)
+        yield from on_cluster(task, missing, settings, stop)
         return
     # By one thread joblib means this one, in which each kernel needs a thread of its own so that Ctrl-C is heard.
     # With two, chunks go to other threads than this one, no more at once than there are jobs.
