@@ -51,16 +51,15 @@ def on_cluster(task: Callable[[int], Done], missing: list[int], settings: Settin
         with _cluster(settings) as client:
             while True:
                 if time.monotonic() > looked + _LOOK:
-                    known = client.sync(client.scheduler.identity, callback_timeout=_SILENCE)["workers"]
-                    before, looked = workers, time.monotonic()
-                    workers = {name: (each["nthreads"], each["last_seen"]) for name, each in known.items()}
+                    before, known = workers, client.sync(client.scheduler.identity, callback_timeout=_SILENCE)
+                    workers, looked = known["workers"], time.monotonic()  # it has when each was last seen
                     heard = looked if workers != before else heard
                     if stop.is_set() and not workers:
                         return
                     if looked > heard + (_SILENCE if workers else _PATIENCE):
                         start = f"there is no worker; start one with: dask worker {client.scheduler.address}"
                         raise RunError("the workers are silent" if workers else start)
-                most = 0 if stop.is_set() else 2 * max(1, sum(threads for threads, _ in workers.values()))
+                most = 0 if stop.is_set() else 2 * max(1, sum(each["nthreads"] for each in workers.values()))
                 more = islice(due, max(0, most - len(running)))
                 running |= {client.submit(at_worker, index, pure=False) for index in more}
                 if not running:
