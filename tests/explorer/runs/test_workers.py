@@ -15,6 +15,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import coins
 import psutil
@@ -429,11 +430,18 @@ def test_a_cluster_loses_its_workers_one_after_the_other(digest, tickets, tmp_pa
     assert "stopped with 0 of 24 chunks done; continue with: nearflat resume" in err
 
 
+# So that a minute without a sign of life is over soon: the scheduler answers in time, however busy the machine is.
+QUICK = SimpleNamespace(monotonic=lambda: 20.0 * time.monotonic(), sleep=time.sleep)
+
+
 @pytest.mark.skipif(os.name == "nt", reason="no process can be frozen there")
 @pytest.mark.parametrize(
-    ("frozen", "message"), [(1, "the scheduler does not answer"), (0, "the workers are silent")]
+    ("frozen", "sooner", "message"),
+    [(1, ("_SILENCE", 3.0), "the scheduler does not answer"), (0, ("time", QUICK), "the workers are silent")],
 )
-def test_a_run_ends_where_a_scheduler_or_a_worker_is_frozen(frozen, message, tickets, tmp_path, monkeypatch):
+def test_a_run_ends_where_a_scheduler_or_a_worker_is_frozen(
+    frozen, sooner, message, tickets, tmp_path, monkeypatch
+):
     folder = tmp_path / "run"
     with a_cluster(1, tickets) as (client, processes):
         where = {"backend": "dask", "scheduler": client.scheduler.address, "progress": False, "figures": False}
@@ -441,13 +449,12 @@ def test_a_run_ends_where_a_scheduler_or_a_worker_is_frozen(frozen, message, tic
         def freeze():
             until(lambda: there(folder) == 3)
             processes[frozen].send_signal(signal.SIGSTOP)
-            monkeypatch.setattr(cluster, "_SILENCE", 3.0)  # the sooner the end is there
+            monkeypatch.setattr(cluster, *sooner)
 
         threading.Thread(target=freeze).start()
         with pytest.raises(ex.RunError, match=f"{message}; continue with: .*--backend dask --scheduler tcp"):
             ex.run(Coins, out=folder, **where, **MANY)
         processes[frozen].send_signal(signal.SIGCONT)
-    assert there(folder) >= 3
 
 
 # What workers on other machines may lack; Python runs this when it starts.
@@ -499,8 +506,7 @@ def test_a_scheduler_that_is_not_there_or_never_answers_is_named(answers, tmp_pa
         if answers:
             silent.listen()
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
-        why = "no answer" if answers else "Timed out"
-        with pytest.raises(ex.RunError, match=rf"scheduler {address}: cannot be reached \({why}.*continue with"):
+        with pytest.raises(ex.RunError, match=f"scheduler {address}: cannot be reached .*continue with"):
             ex.run(Coins, out=tmp_path / "run", backend="dask", scheduler=address, progress=False, **SMALL)
 
 
