@@ -18,7 +18,7 @@ import sys
 import warnings
 from collections.abc import Sequence
 from importlib import import_module
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple, NoReturn, TextIO
 
 from explorer.errors import (
     InputError,
@@ -182,17 +182,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
             options = parser_of(asked.command, asked.words).parse_args(asked.words)
             options.command_line = shlex.join(["nearflat", *words])
             found = options.call(options)
-            print(json.dumps(found.record) if options.json else found.text, flush=True)
+            _conclude(json.dumps(found.record) if options.json else found.text, sys.stdout, arguments is None)
         return int(found.status)
     except BrokenPipeError:  # whoever read what was printed has gone, and Python must not complain at its end
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
     except (Interrupted, KeyboardInterrupt) as error:
-        return _complain(name, error if str(error) else "interrupted", 130)
+        status, message = 130, str(error) or "interrupted"
     except (InputError, ImportError) as error:
-        return _complain(name, error, 2)
+        status, message = 2, str(error)
     except (RunError, OSError) as error:
-        return _complain(name, error, 1)
+        status, message = 1, str(error)
+    with contextlib.suppress(OSError):  # the terminal may be closed
+        _conclude(f"{name}: {message}", sys.stderr, arguments is None)
+    return status
 
 
 def _require_known(name: str) -> None:
@@ -205,10 +208,14 @@ def _require_known(name: str) -> None:
         raise InputError(f"{name!r} is no command; {suggest(name, list(COMMANDS))}\nTry 'nearflat --help'.")
 
 
-def _complain(name: str, error: object, status: int) -> int:
-    with contextlib.suppress(OSError):  # the terminal may be closed
-        print(f"{name}: {error}", file=sys.stderr)
-    return status
+def _conclude(text: str, stream: TextIO, alone: bool) -> None:
+    """Print the last words of a command. alone: whether its process ends with it.
+
+    From then on a signal is ignored: it could only add a traceback, or change an exit status that is decided.
+    """
+    for number in (signal.SIGINT, signal.SIGTERM) if alone else ():
+        signal.signal(number, signal.SIG_IGN)
+    print(text, file=stream, flush=True)
 
 
 if __name__ == "__main__":

@@ -7,12 +7,14 @@ thread does that, and the one that hears signals waits for it.
 
 from __future__ import annotations
 
+import math
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_EXCEPTION, Future, wait
 from functools import partial
 from itertools import pairwise
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -22,17 +24,23 @@ BLOCK = 16384  # samples at a time: hundredths of a second, and what is found be
 _HEARD = 0.2  # seconds between two looks at signals, on systems where these do not break off a wait
 
 
-class _Group:
+class Group:
     """Calls side by side that somebody waits for, and what ends the kernels that are at work for them."""
 
     def __init__(self) -> None:
         self.wanted = True
         self.ends = list[Callable[[], None]]()
 
-    def require(self) -> None:
-        """Raise _UnwantedError where nobody waits any more."""
-        if not self.wanted:
-            raise _UnwantedError
+    def call(self, call: Callable[..., Done], *given: Any) -> Done:
+        """The result of a call of the group, in a thread that does nothing else."""
+        _here.group = self
+        return call(*given)
+
+    def end(self) -> None:
+        """Make its calls end soon, because nobody waits for them any more."""
+        self.wanted = False
+        for end in list(self.ends):
+            end()
 
 
 class _UnwantedError(Exception):
@@ -40,17 +48,22 @@ class _UnwantedError(Exception):
 
 
 class _Here(threading.local):
-    group: _Group | None = None  # that this thread works for
+    group: Group | None = None  # that this thread works for
 
 
 _here = _Here()
 
 
+def require_wanted() -> None:
+    """Raise an exception if nobody waits any more for what this thread does."""
+    if _here.group is not None and not _here.group.wanted:
+        raise _UnwantedError
+
+
 def blocks(count: int, size: int = BLOCK) -> Iterator[slice]:
     """The rows of `count` samples, some at a time; an empty slice where there are none."""
     for first in range(0, max(count, 1), size):
-        if _here.group is not None:
-            _here.group.require()
+        require_wanted()
         yield slice(first, min(first + size, count))
 
 
@@ -66,7 +79,7 @@ def in_parts(jobs: int, count: int, call: Callable[[slice], Done], size: int | N
         return [call(slice(first + rows.start, first + rows.stop)) for rows in parts]
 
     calls = [partial(in_turn, *part) for part in pairwise(ends)]
-    return [each for part in (_side_by_side(calls) if len(calls) > 1 else [calls[0]()]) for each in part]
+    return [each for part in (side_by_side(calls) if len(calls) > 1 else [calls[0]()]) for each in part]
 
 
 def attended(kernel: Callable[[], None], end: Callable[[], None] = lambda: None) -> None:
@@ -78,27 +91,27 @@ def attended(kernel: Callable[[], None], end: Callable[[], None] = lambda: None)
     if group is not None:
         group.ends.append(end)
         try:
-            group.require()  # after `end` is there: one of both ends the kernel, whenever nobody waits any more
+            require_wanted()  # after `end` is there: one of both ends the kernel, whenever nobody waits any more
             kernel()
         finally:
             group.ends.remove(end)
     elif threading.current_thread() is threading.main_thread():
-        _side_by_side([partial(attended, kernel, end)])
+        side_by_side([partial(attended, kernel, end)])
     else:
         kernel()
 
 
-def _side_by_side(calls: Sequence[Callable[[], Done]]) -> list[Done]:
+def side_by_side(calls: Sequence[Callable[[], Done]], seconds: float = math.inf) -> list[Done]:
     """The results of calls, each in a thread of its own; where one fails, its error, and the others are left.
 
-    Python does not wait for these threads where it ends.
+    seconds: for how long; then TimeoutError is raised. Python does not wait for these threads where it ends.
     """
-    group, futures = _Group(), [Future[Done]() for _ in calls]
+    limit = time.monotonic() + seconds
+    group, futures = Group(), [Future[Done]() for _ in calls]
 
     def run(call: Callable[[], Done], future: Future[Done]) -> None:
-        _here.group = group
         try:
-            future.set_result(call())
+            future.set_result(group.call(call))
         except BaseException as error:
             future.set_exception(error)
 
@@ -107,12 +120,12 @@ def _side_by_side(calls: Sequence[Callable[[], Done]]) -> list[Done]:
             threading.Thread(target=run, args=each, daemon=True).start()
         left = set(futures)
         while left:
+            if time.monotonic() > limit:
+                raise TimeoutError
             ended, left = wait(left, _HEARD, FIRST_EXCEPTION)
             for future in ended:
                 future.result()
     except BaseException:
-        group.wanted = False
-        for end in list(group.ends):
-            end()
+        group.end()
         raise
     return [future.result() for future in futures]

@@ -8,6 +8,7 @@ import contextlib
 import inspect
 import json
 import linecache
+import os
 import platform
 import shutil
 from collections.abc import Callable, Iterator
@@ -20,7 +21,7 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from explorer import compiled
-from explorer.errors import InputError, shown, whole, words
+from explorer.errors import InputError, shown, warn, whole, words
 from explorer.paths import made_folder, path_of
 from explorer.runs import store
 from explorer.runs.machine import arithmetic, machine
@@ -150,6 +151,31 @@ def require_same(folder: Path, record: dict[str, Any], scene: Scene) -> None:
             )
 
 
+def _locked(path: Path) -> contextlib.AbstractContextManager[Any]:
+    """Take the lock of a folder; it ends with this process, and its file names the process. Raises InputError.
+
+    Where there are no locks, a run goes on without. filelock would take the file itself for the lock instead,
+    which stays when a run is killed.
+    """
+
+    def sign(handle: int) -> None:
+        os.truncate(handle, 0)
+        os.write(handle, f"process {os.getpid()} on {platform.node()}".encode())
+
+    try:
+        return FileLock(path, fallback_to_soft=False, on_acquired=sign).acquire(timeout=0)
+    except Timeout:
+        # Windows lets nobody else read what is locked.
+        owner = f" ({shown(path.read_text(errors='replace'))})" if os.name == "posix" else ""
+        remedy = f"wait, end that process, or give another folder; if its machine has failed, delete {path}"
+        raise InputError(f"out {path.parent}: another run is at work there{owner}; {remedy}") from None
+    except OSError as error:
+        if error.errno not in store.UNABLE:
+            raise OSError(error.errno, error.strerror, str(path)) from None
+        warn(f"out {path.parent}: its file system has no locks; start no second run in this folder")
+        return contextlib.nullcontext()
+
+
 @contextlib.contextmanager
 def opened(folder: Path, scene: Scene, exist: str) -> Iterator[tuple[Scene, dict[str, Any]]]:
     """The folder, for one run at a time: the scene as it goes on there, and run.json where the run is begun.
@@ -161,11 +187,7 @@ def opened(folder: Path, scene: Scene, exist: str) -> Iterator[tuple[Scene, dict
     own = {".lock", *_FOLDERS}
     if not record.exists() and any(path.name not in own and not path.match(".*.tmp") for path in folder.iterdir()):
         raise InputError(f"out {folder}: is not empty and holds no run; give another folder")
-    try:
-        lock = FileLock(folder / ".lock").acquire(timeout=0)
-    except Timeout:
-        raise InputError(f"out {folder}: another run is at work there; wait, or give another folder") from None
-    with lock:
+    with _locked(folder / ".lock"):
         if record.exists() and exist == "error":
             raise InputError(f"out {folder}: holds a run already; resume it, replace it, or give another folder")
         if exist == "replace":
@@ -174,6 +196,8 @@ def opened(folder: Path, scene: Scene, exist: str) -> Iterator[tuple[Scene, dict
             for name in ("summary.json", "run.json"):
                 (folder / name).unlink(missing_ok=True)
         (folder / "chunks").mkdir(exist_ok=True)
+        if not store.synced(folder):
+            warn(f"out {folder}: its file system syncs no folders; a power cut may take the last chunks")
         known = read_record(folder) if record.exists() else {}
         if known:
             scene = replace(scene, **{name: known["options"].get(name) for name in _STAY if name in scene.unsaid})

@@ -1,12 +1,14 @@
 """Ctrl-C, SIGTERM and SIGHUP while a run is made: the first lets running chunks finish, the second stops at once.
 
+Chunks are computed in other threads or processes while the main thread waits. So the second signal can raise
+KeyboardInterrupt there, as Python users expect; a library must not end the user's process.
+
 A signal that whoever started the program told it to ignore, as `nohup` and shells do for jobs in the background,
 stays ignored.
 """
 
 import contextlib
 import multiprocessing.resource_tracker
-import os
 import signal
 import sys
 import threading
@@ -27,15 +29,12 @@ def stopping(onward: str) -> Iterator[threading.Event]:
     stop, before = threading.Event(), {}
 
     def handle(number: int, frame: FrameType | None) -> None:
-        text = "stopping when the running chunks are done; interrupt again to stop now"
         if stop.is_set():
-            text = f"stopped; {onward}"
-        with contextlib.suppress(OSError):  # the terminal may be closed
-            print(text, file=sys.stderr, flush=True)
-        if stop.is_set():
-            # Threads may be deep in compiled code: leave without asking them. Chunks are whole or not there.
-            os._exit(130)
+            raise KeyboardInterrupt(f"stopped; {onward}")
         stop.set()
+        with contextlib.suppress(OSError):  # the terminal may be closed
+            text = "stopping when the running chunks are done; interrupt again to stop now"
+            print(text, file=sys.stderr, flush=True)
 
     if threading.current_thread() is threading.main_thread():
         heard = [number for number in SIGNALS if signal.getsignal(number) not in (signal.SIG_IGN, None)]

@@ -397,7 +397,7 @@ def execute(scene: Scene, settings: Settings) -> Run:
 
     Raises InputError before anything is written, RunError after. The numbers depend on the scene alone, never on
     workers or an interruption. The first Ctrl-C or SIGTERM lets running chunks finish; then Interrupted is raised,
-    which says how to continue.
+    which says how to continue. The second raises KeyboardInterrupt at once.
     """
     if settings.out is not None:
         with folders.opened(settings.out, scene, settings.exist) as (begun, record):
@@ -431,7 +431,7 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
     folders.write_record(folder, scene, how)
     compiled.warmup(scene.kernels, say)  # takes long; what is stopped now can be resumed
     with stopping(settings.onward) as stop:
-        deque(_computed(scene, settings, missing, stop), maxlen=0)
+        deque(_computed(scene, settings, missing, stop) if missing else (), maxlen=0)
         how |= {"chunks_computed": len(missing), "seconds_for_chunks": round(time.monotonic() - clock, 3)}
         run, summary, drawn = Run(scene, folder=folder), folder / "summary.json", folder / "figures"
         try:
@@ -488,8 +488,10 @@ def _computed(
     redrawn, begun = sys.stderr.isatty() or "ipykernel" in sys.modules, time.monotonic()
     if not redrawn:
         how |= {"file": _Lines(), "bar_format": _LINE, "leave": False, "miniters": 0, "mininterval": _FIRST_LINE}
-    with tqdm(total=due, initial=there, disable=not settings.progress, **how) as bar:
-        for chunk, status in compute_all(scene, missing, settings, stop) if missing else ():
+    shown = tqdm(total=due, initial=there, disable=not settings.progress, **how)
+    # An interrupt may keep this frame for long, in a notebook's traceback: what computes chunks ends all the same.
+    with shown as bar, contextlib.closing(compute_all(scene, missing, settings, stop)) as made:
+        for chunk, status in made:
             count -= 1
             counts = counts + status
             bar.set_postfix({name: n for name, n in counts.items() if name != "ok"}, refresh=False)

@@ -9,6 +9,7 @@ with checksums that fit.
 """
 
 import contextlib
+import errno
 import hashlib
 import json
 import os
@@ -24,12 +25,16 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from explorer.errors import RunError, shorten
+from explorer.motion.threads import require_wanted
 from explorer.phase.results import status_codes, to_arrow
 from explorer.scenes.scene import Scene, Table
 
 _NAME = re.compile(r"chunk-([0-9]{6}|[1-9][0-9]{6,8})-([0-9a-f]{16})\.parquet")
 _NOTE, _CHECK = b"nearflat", b"nearflat.sha256"  # of the footer: what it says, and the digest of that
 _FEW = 1 << 14  # rows, which one thread has read before others are asked to
+# What file systems answer that cannot sync folders (older CIFS, network drives of WSL, some FUSE), or lock files
+# (Lustre mounted plainly, NFS without the service for locks)
+UNABLE = (errno.EINVAL, errno.EBADF, errno.EOPNOTSUPP, errno.ENOTSUP, errno.ENOSYS, errno.ENOLCK)
 _DAMAGE = (OSError, ValueError, KeyError, TypeError, pa.ArrowException)  # what reading a damaged file may raise
 
 
@@ -136,6 +141,7 @@ def make_chunk(scene: Scene, index: int, identity: str, folder: Path | None) -> 
     content = stream.getvalue().to_pybytes()
     chunk = Chunk(f"chunk-{index:06d}-{sha256(content)[:16]}.parquet", content)
     if folder is not None:
+        require_wanted()  # after a second interrupt the folder's lock is free, and nothing is written
         chunk = chunk._replace(content=commit(folder / "chunks" / chunk.name, content))
     return chunk, dict(tally.status)
 
@@ -218,16 +224,29 @@ def commit(path: Path, content: bytes) -> Path:
             stream.flush()
             os.fsync(stream.fileno())
         begun.replace(path)
-        if os.name == "posix":  # makes the rename durable, where folders can be synced
-            handle = os.open(path.parent, os.O_RDONLY)
-            os.fsync(handle)
-            os.close(handle)
+        synced(path.parent)
     except OSError as error:
         with contextlib.suppress(OSError):
             begun.unlink(missing_ok=True)
         fault = error.strerror or error
         raise RunError(f"{path}: cannot be written ({fault}); what is finished is kept; resume the run") from error
     return path
+
+
+def synced(folder: Path) -> bool:
+    """Make the names of new files in a folder durable; False where the file system cannot. Raises OSError."""
+    if os.name != "posix":
+        return True
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+        return True
+    except OSError as error:
+        if error.errno not in UNABLE:
+            raise
+        return False
+    finally:
+        os.close(handle)
 
 
 def as_json(content: dict[str, Any]) -> bytes:

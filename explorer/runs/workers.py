@@ -1,14 +1,13 @@
-"""Who computes chunks: threads (kernels release the GIL), processes or a dask cluster; joblib hands them out."""
+"""Who computes chunks: threads (kernels release the GIL) or processes, by joblib, or a dask cluster."""
 
 import contextlib
-import logging
 import os
 import signal
 import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from concurrent.futures import BrokenExecutor
 from functools import cache, partial
 from pathlib import Path
@@ -18,15 +17,14 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from explorer.errors import RunError
+from explorer.motion.threads import Group
 from explorer.runs import folder as folders
+from explorer.runs.cluster import on_cluster
 from explorer.runs.interrupt import SIGNALS, withheld
 from explorer.runs.settings import Settings
 from explorer.runs.store import Done, in_one_line, make_chunk
 from explorer.scenes.scene import Scene
 
-# A cluster without a worker twice in a row, looked at so many seconds apart, has none: a nanny starts a new one in
-# two or three.
-_PATIENCE, _LOOKS = 3.5, 2
 _KEPT = 31 << 20  # bytes; glibc takes no notice of blocks of 32 MB and more
 _OTHERS = (
     "the worker would compute other numbers than this run; give all machines the same nearflat, Python, numba and "
@@ -67,41 +65,36 @@ def compute(scene: Scene, known: dict[str, Any], folder: Path | None, index: int
         raise RunError(f"scene {scene.name}: {where}: {type(error).__name__}: {in_one_line(error)}") from error
 
 
-def compute_all(scene: Scene, missing: list[int], settings: Settings, stop: threading.Event) -> Iterator[Done]:
+def compute_all(scene: Scene, missing: list[int], settings: Settings, stop: threading.Event) -> Generator[Done]:
     """Compute and store chunks, in any order, and give each as it is done.
 
     Starts no further chunk once `stop` is set. Raises RunError where a chunk or a worker fails.
     """
     folder = settings.out and settings.out.resolve()  # workers see the same file system
-    call: Callable[[int], Done | None]
-    task = call = partial(compute, scene, folders.identity(scene), folder)
+    task = partial(compute, scene, folders.identity(scene), folder)
+    if settings.backend == "dask":
+        yield from on_cluster(task, missing, settings, stop)
+        return
     # By one thread joblib means this one, in which each kernel needs a thread of its own so that Ctrl-C is heard.
     # With two, chunks go to other threads than this one, no more at once than there are jobs.
-    jobs = min(settings.jobs, len(missing))
+    group, jobs = Group(), min(settings.jobs, len(missing))
+    call: Callable[[int], Done] = partial(group.call, task)
     how: dict[str, Any] = {"n_jobs": max(jobs, 2), "backend": "threading", "pre_dispatch": jobs}
     if settings.backend == "processes":
-        how |= {
-            "n_jobs": jobs,
-            "backend": "loky",
-            "initializer": begin_worker,
-            "initargs": (os.getpid(), sys.path),
-        }
-    with contextlib.ExitStack() as until_done:
-        if settings.backend == "dask":
-            client = until_done.enter_context(_cluster(settings))
-            call = partial(_on_cluster, client, task, settings, stop)
-            how["n_jobs"] = 2 * (sum(client.nthreads().values()) or settings.jobs)  # two for each: none waits
-            how["pre_dispatch"] = "n_jobs"
-        pool = Parallel(**how, return_as="generator_unordered", batch_size=1)
-        with withheld() if settings.backend == "processes" else contextlib.nullcontext():
-            made = pool(delayed(call)(index) for index in missing if not stop.is_set())
-        until_done.enter_context(contextlib.closing(made))
-        try:
-            yield from filter(None, made)
-        except BrokenExecutor as error:
-            if not stop.is_set():
-                how_so = "a worker was killed (out of memory? give fewer jobs or a smaller chunk_size)"
-                raise RunError(f"backend processes: {how_so}; {settings.onward}") from error
+        call, how = task, {"n_jobs": jobs, "backend": "loky", "initializer": begin_worker}
+        how["initargs"] = (os.getpid(), sys.path)
+    pool = Parallel(**how, return_as="generator_unordered", batch_size=1)
+    with withheld() if settings.backend == "processes" else contextlib.nullcontext():
+        made = pool(delayed(call)(index) for index in missing if not stop.is_set())
+    try:
+        with contextlib.closing(made):
+            yield from made
+    except BrokenExecutor as error:
+        if not stop.is_set():
+            how_so = "a worker was killed (out of memory? give fewer jobs or a smaller chunk_size)"
+            raise RunError(f"backend processes: {how_so}; {settings.onward}") from error
+    finally:
+        group.end()
 
 
 def begin_worker(parent: int, path: list[str]) -> None:
@@ -117,58 +110,3 @@ def _end_with(parent: int) -> None:
     while os.getppid() == parent:
         time.sleep(1.0)
     os._exit(1)  # in the middle of a chunk, which another run computes
-
-
-def _is_other(record: logging.LogRecord) -> bool:
-    """Than what dask leaves of a question to a worker that is lost, which a sentence tells."""
-    return "AllExit" not in str(record.exc_info)
-
-
-@contextlib.contextmanager
-def _cluster(settings: Settings) -> Iterator[Any]:
-    """A client of the cluster at the scheduler's address, or of one on the loopback. Raises RunError."""
-    import distributed
-
-    # A dashboard None would ask for a port that another run has; no user can mend what dask logs.
-    quiet = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
-    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
-    logging.getLogger("asyncio").addFilter(_is_other)
-    with contextlib.ExitStack() as until_done:
-        try:
-            with withheld():
-                address = settings.scheduler or until_done.enter_context(
-                    distributed.LocalCluster(n_workers=settings.jobs, threads_per_worker=1, **quiet)
-                )
-                client = until_done.enter_context(distributed.Client(address, timeout=5))
-        except Exception as error:  # of whatever kind: dask's settings for TLS raise nearly any
-            raise RunError(
-                f"scheduler {settings.scheduler}: cannot be reached ({in_one_line(error)}); look at the "
-                "address, and whether scheduler, workers and this process have the same settings for TLS"
-            ) from error
-        yield client
-
-
-def _on_cluster(
-    client: Any, task: Callable[[int], Done], settings: Settings, stop: threading.Event, index: int
-) -> Done | None:
-    """Await a chunk of a dask cluster; None where the run was stopped and nobody is there to compute it.
-
-    joblib's own backend for dask would wait for ever where the last worker is lost.
-    """
-    import distributed
-
-    where = f"scheduler {settings.scheduler}" if settings.scheduler else "backend dask"
-    future, idle = client.submit(task, index, pure=False), 0
-    try:
-        while idle < _LOOKS:
-            with contextlib.suppress(TimeoutError):
-                done: Done = future.result(timeout=_PATIENCE)
-                return done
-            idle = 0 if client.nthreads() else idle + 1
-            if idle and stop.is_set():
-                return None
-    except (OSError, distributed.KilledWorker, distributed.client.FutureCancelledError) as error:
-        fault = f"workers or their scheduler were killed ({in_one_line(error)})"
-        raise RunError(f"{where}: {fault}; {settings.onward}") from error
-    start = f"; start one with: dask worker {settings.scheduler}" if settings.scheduler else ""
-    raise RunError(f"{where}: there is no worker{start}; {settings.onward}")

@@ -1,10 +1,14 @@
 """The folder of a run: its record is enough to go on, and nothing else is touched."""
 
+import errno
 import json
+import os
 import shutil
+import stat
 import sys
 from pathlib import Path
 
+import filelock
 import pytest
 from coins import SMALL, Coins
 
@@ -187,10 +191,71 @@ def test_only_one_run_at_a_time_is_in_a_folder(finished):
     before = contents(finished.folder)
     with (
         opened(finished.folder, finished.scene, "resume"),
-        pytest.raises(ex.InputError, match="another run is at work there"),
+        pytest.raises(ex.InputError, match=f"work there .*process {os.getpid()} on .*end that process.*delete"),
     ):
         ex.run(Coins, out=finished.folder, exist="replace", samples=10)
-    assert contents(finished.folder) == before
+    assert {**contents(finished.folder), Path(".lock"): b""} == {**before, Path(".lock"): b""}
+
+
+def failing(call, number, fails=lambda *_: True):
+    """The call, or this error of the system where it fails."""
+
+    def instead(*given, **options):
+        if fails(*given):
+            raise OSError(number, os.strerror(number))
+        return call(*given, **options)
+
+    return instead
+
+
+def is_folder(handle):
+    return stat.S_ISDIR(os.fstat(handle).st_mode)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="folders are not synced there")
+@pytest.mark.parametrize("number", [errno.EINVAL, errno.EOPNOTSUPP, errno.EBADF, errno.ENOTSUP])
+def test_where_folders_cannot_be_synced_a_run_is_stored_and_says_so_once(number, finished, tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "fsync", failing(os.fsync, number, is_folder))
+    with pytest.warns(UserWarning, match="its file system syncs no folders") as told:
+        run = ex.run(Coins, out=tmp_path / "new", **SMALL)
+    assert len(told) == 1
+    assert (run.summary, run.verify()) == (finished.summary, [])
+
+
+@pytest.mark.parametrize("number", [errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP])
+def test_where_there_are_no_locks_a_run_is_stored_and_says_so_once(number, finished, tmp_path, monkeypatch):
+    acquire = filelock.FileLock.acquire
+    monkeypatch.setattr(filelock.FileLock, "acquire", failing(acquire, number))
+    with pytest.warns(UserWarning, match="its file system has no locks; start no second run") as told:
+        run = ex.run(Coins, out=tmp_path / "new", **SMALL)
+    assert len(told) == 1
+    assert (run.summary, run.verify()) == (finished.summary, [])
+
+
+@pytest.mark.skipif(os.name == "nt", reason="there are other locks")
+def test_without_flock_no_file_is_left_that_would_keep_the_next_run_out(finished, monkeypatch):
+    import fcntl
+
+    with monkeypatch.context() as patch:
+        patch.setattr(fcntl, "flock", failing(fcntl.flock, errno.ENOSYS))
+        with (
+            pytest.warns(UserWarning, match="no locks"),
+            opened(finished.folder, finished.scene, "resume"),
+            pytest.warns(UserWarning, match="no locks"),
+        ):
+            assert finished.resume().verify() == []
+    assert finished.resume().verify() == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="folders are not synced there")
+def test_other_faults_of_syncing_and_locking_end_the_run(tmp_path, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", failing(os.fsync, errno.EIO, is_folder))
+        with pytest.raises(OSError, match=os.strerror(errno.EIO)):
+            ex.run(Coins, out=tmp_path / "new", **SMALL)
+    monkeypatch.setattr(filelock.FileLock, "acquire", failing(filelock.FileLock.acquire, errno.EIO))
+    with pytest.raises(OSError, match=r"\.lock"):
+        ex.run(Coins, out=tmp_path / "new", **SMALL)
 
 
 DAMAGED = ("[]", '{"format": 3}', "{", "", '{"format": 3, "options": 5}', "\ufeff{}")

@@ -1,17 +1,21 @@
 """Workers of every kind, killed and stopped, give the numbers of an undisturbed run."""
 
+import _thread
 import contextlib
+import io
 import itertools
 import json
 import os
 import random
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import coins
 import psutil
@@ -20,7 +24,7 @@ import tqdm.std
 from coins import SMALL, Coins
 
 import explorer as ex
-from explorer.runs import workers
+from explorer.runs import cluster, workers
 from explorer.runs.folder import identity
 
 SCENE = f"{Path(coins.__file__).resolve()}:Coins"
@@ -181,6 +185,92 @@ def test_the_second_signal_ends_at_once(tickets, tmp_path):
     assert done.returncode == 130
 
 
+class Held(Coins):
+    """Waits for a test."""
+
+    begun, let_go, at_work = threading.Event(), threading.Event(), []
+
+    def observe(self, drawn):
+        self.at_work.append(threading.current_thread())
+        self.begun.set()
+        self.let_go.wait()
+        return super().observe(drawn)
+
+
+def test_what_is_left_at_the_second_signal_writes_nothing(tmp_path, monkeypatch):
+    folder, said = tmp_path / "run", io.StringIO()
+    monkeypatch.setattr(sys, "stderr", said)
+    heard = signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    def twice():
+        Held.begun.wait()
+        _thread.interrupt_main()
+        until(lambda: "interrupt again to stop now" in said.getvalue())
+        _thread.interrupt_main()
+
+    threading.Thread(target=twice).start()
+    try:
+        with pytest.raises(KeyboardInterrupt, match="continue with: nearflat resume"):
+            ex.run(Held, out=folder, progress=False, jobs=2, **SMALL)
+    finally:
+        Held.let_go.set()
+        signal.signal(signal.SIGINT, heard)
+    until(lambda: not any(thread.is_alive() for thread in Held.at_work))
+    assert there(folder) == 0
+    assert not [*folder.rglob("*.tmp")]
+
+
+@pytest.mark.long
+@pytest.mark.filterwarnings("default")  # Jupyter's client has warnings of its own
+def test_in_a_notebook_the_second_interrupt_leaves_variables_alive_and_runs_can_be_made(tmp_path, monkeypatch):
+    from jupyter_client.manager import start_new_kernel
+
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(sys.path))
+    manager, client = start_new_kernel(startup_timeout=LIMIT)
+
+    def message(kind, text=""):
+        """The content of the next message of this kind that has this text."""
+        while True:
+            got = client.get_iopub_msg(timeout=LIMIT)
+            if got["msg_type"] == kind and text in got["content"].get("text", ""):
+                return got["content"]
+
+    try:
+        client.execute("import glob, os, explorer as ex; from coins import Coins")
+        client.execute("mine, ended, pid = 42, 0, os.getpid()")
+        for backend in ("threads", "processes"):
+            folder, tickets = tmp_path / backend, Tickets(tmp_path / f"tickets-{backend}")
+            tickets.give(3)
+            client.execute(f"os.environ['COINS_TICKETS'] = {str(tickets.folder)!r}")
+            call = f"ex.run(Coins, out={str(folder)!r}, figures=False, jobs=2, **{MANY}, backend="
+            client.execute(f"try: {call}{backend!r})\nfinally: ended += 1", stop_on_error=False)
+            until(lambda folder=folder: there(folder) == 3)
+            manager.interrupt_kernel()
+            message("stream", "interrupt again to stop now")
+            manager.interrupt_kernel()
+            error = message("error")
+            assert error["ename"] == "KeyboardInterrupt"
+            assert "continue with: nearflat resume" in error["evalue"]
+            assert there(folder) == 3
+            client.execute("print('left', glob.glob(f'/dev/shm/*-{pid}-*'))")
+            assert message("stream", "left")["text"] == "left []\n"
+            tickets.free()
+            client.execute(f"print('again', mine, ended, {call}'threads', progress=False).status.chunks_done)")
+            assert message("stream", "again")["text"].split()[1:] == ["42", str(1 + (backend != "threads")), "24"]
+    finally:
+        client.stop_channels()
+        manager.shutdown_kernel(now=True)
+
+
+@pytest.mark.parametrize(("backend", "number"), [("processes", signal.SIGINT), ("threads", signal.SIGTERM)])
+def test_a_signal_after_the_answer_changes_nothing(backend, number, tmp_path):
+    done = nearflat(*command(tmp_path / "run", "--backend", backend, "--quiet"))
+    assert done.stdout.readline().startswith("{")
+    done.send_signal(number)
+    _, err = done.communicate(timeout=LIMIT)
+    assert (done.returncode, err) == (0, "")
+
+
 def family(pid):
     """The processes that compute chunks of another."""
     children = psutil.Process(pid).children(recursive=True)
@@ -266,27 +356,30 @@ def test_progress_is_shown_where_a_run_takes_longer_than_two_seconds(step, quiet
 # A dask cluster
 
 
-def dask(kind, *words, tickets=""):
-    """A scheduler or a worker on the loopback, in a process of its own."""
+def dask(kind, *words, tickets="", path=()):
+    """A scheduler or a worker on the loopback, in a process of its own. path: what Python looks at first."""
     common = ["--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0"]
     more = ["--nthreads", "1", "--no-nanny"] if kind == "worker" else []
     full = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *words, *more, *common]
-    environment = {**os.environ, "COINS_TICKETS": str(tickets), "PYTHONPATH": os.pathsep.join(sys.path)}
+    path = os.pathsep.join([*map(str, path), *sys.path])
+    environment = {**os.environ, "COINS_TICKETS": str(tickets), "PYTHONPATH": path}
     return subprocess.Popen(full, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
 
 
 @contextlib.contextmanager
-def a_cluster(count, tickets):
-    """A real scheduler and its workers; yields a client of it and the workers' processes."""
+def a_cluster(count, tickets, path=()):
+    """A real scheduler and its workers; yields a client of it, and the processes of the workers and of itself."""
     distributed = pytest.importorskip("distributed")
     file = tickets.folder.with_name("scheduler.json")
     running = [dask("scheduler", "--port", "0", "--scheduler-file", file)]
     try:
         until(lambda: running[0].poll() is not None or (file.exists() and file.read_text().endswith("}")))
-        running += [dask("worker", "--scheduler-file", file, tickets=tickets.folder) for _ in range(count)]
+        running += [
+            dask("worker", "--scheduler-file", file, tickets=tickets.folder, path=path) for _ in range(count)
+        ]
         with distributed.Client(scheduler_file=str(file), timeout=LIMIT) as client:
             client.wait_for_workers(count, timeout=LIMIT)
-            yield client, running[1:]
+            yield client, [*running[1:], running[0]]
     finally:
         for process in running:
             process.kill()
@@ -307,7 +400,7 @@ def killing(folder, worker, tickets):
 
 
 # So that a signal comes before the seconds are over after which a run without a worker ends by itself.
-PATIENT = "from explorer.runs import workers\nworkers._LOOKS = 10**6\n"
+PATIENT = "from explorer.runs import cluster\ncluster._PATIENCE = 10**6\n"
 
 
 def test_a_cluster_loses_its_workers_one_after_the_other(digest, tickets, tmp_path, monkeypatch):
@@ -337,9 +430,92 @@ def test_a_cluster_loses_its_workers_one_after_the_other(digest, tickets, tmp_pa
     assert "stopped with 0 of 24 chunks done; continue with: nearflat resume" in err
 
 
-def test_a_scheduler_that_is_not_there_is_named(tmp_path, monkeypatch):
+# So that a minute without a sign of life is over soon: the scheduler answers in time, however busy the machine is.
+QUICK = SimpleNamespace(monotonic=lambda: 20.0 * time.monotonic(), sleep=time.sleep)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no process can be frozen there")
+@pytest.mark.parametrize(
+    ("frozen", "sooner", "message"),
+    [(1, ("_SILENCE", 3.0), "the scheduler does not answer"), (0, ("time", QUICK), "the workers are silent")],
+)
+def test_a_run_ends_where_a_scheduler_or_a_worker_is_frozen(
+    frozen, sooner, message, tickets, tmp_path, monkeypatch
+):
+    folder = tmp_path / "run"
+    with a_cluster(1, tickets) as (client, processes):
+        where = {"backend": "dask", "scheduler": client.scheduler.address, "progress": False, "figures": False}
+
+        def freeze():
+            until(lambda: there(folder) == 3)
+            processes[frozen].send_signal(signal.SIGSTOP)
+            monkeypatch.setattr(cluster, *sooner)
+
+        threading.Thread(target=freeze).start()
+        with pytest.raises(ex.RunError, match=f"{message}; continue with: .*--backend dask --scheduler tcp"):
+            ex.run(Coins, out=folder, **where, **MANY)
+        processes[frozen].send_signal(signal.SIGCONT)
+
+
+# What workers on other machines may lack; Python runs this when it starts.
+NO_NEARFLAT = """
+class Hidden:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] == "explorer":
+            raise ModuleNotFoundError(f"No module named {name!r}")
+import sys
+sys.meta_path.insert(0, Hidden())
+"""
+NO_FOLDER = """
+from pathlib import Path
+plain = Path.is_dir
+Path.is_dir = lambda self: self.name != "run" and plain(self)
+"""
+OTHER_FOLDER = """
+import os
+from pathlib import Path
+plain = Path.replace
+Path.replace = lambda self, target: plain(self, Path(os.environ["COINS_TICKETS"]).parent / Path(target).name)
+"""
+
+
+@pytest.mark.parametrize(
+    ("lack", "message"),
+    [
+        (NO_NEARFLAT, "worker tcp.*: No module named 'explorer.*"),
+        (NO_FOLDER, "worker tcp.* has not this folder .*run; all machines must share it"),
+        (OTHER_FOLDER, "worker tcp.* has not this folder .*run; all machines must share it"),
+    ],
+)
+def test_what_a_worker_lacks_is_told_at_its_first_chunk(lack, message, tickets, tmp_path):
+    folder = tmp_path / "run"
+    (tmp_path / "sitecustomize.py").write_text(lack)
+    with a_cluster(1, tickets, [tmp_path]) as (client, _):
+        where = {"backend": "dask", "scheduler": client.scheduler.address, "progress": False, "figures": False}
+        with pytest.raises(ex.RunError, match=f"{message}; continue with: .*--backend dask --scheduler tcp"):
+            ex.run(Coins, out=folder, **where, **MANY)
+    assert there(folder) == 0
+
+
+@pytest.mark.parametrize("answers", [False, True])
+def test_a_scheduler_that_is_not_there_or_never_answers_is_named(answers, tmp_path, monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(cluster, "_PATIENCE", 0.5)
+    with socket.socket() as silent:
+        silent.bind(("127.0.0.1", 0))
+        if answers:
+            silent.listen()
+        address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
+        with pytest.raises(ex.RunError, match=f"scheduler {address}: cannot be reached .*continue with"):
+            ex.run(Coins, out=tmp_path / "run", backend="dask", scheduler=address, progress=False, **SMALL)
+
+
+def test_where_no_workers_can_be_started_here_a_scheduler_is_asked_for(monkeypatch):
     distributed = pytest.importorskip("distributed")
-    patient, address = distributed.Client, "tcp://127.0.0.1:9"
-    monkeypatch.setattr(distributed, "Client", lambda address, timeout: patient(address, timeout=0.5))
-    with pytest.raises(ex.RunError, match=f"{address}: cannot be reached"):
-        ex.run(Coins, out=tmp_path / "run", backend="dask", scheduler=address, progress=False, **SMALL)
+
+    def failing(**options):
+        raise RuntimeError("Nanny failed to start.")
+
+    monkeypatch.setattr(distributed, "LocalCluster", failing)
+    with pytest.raises(ex.RunError, match=r"^backend dask: .*Nanny failed.*give the address of a scheduler"):
+        ex.run(Coins, backend="dask", progress=False, **SMALL)
