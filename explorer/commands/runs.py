@@ -21,6 +21,9 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
         command.add_argument("folder", metavar="DIR", type=Path, nargs="+", help=text)
     else:
         command.add_argument("folder", metavar="DIR", type=Path, help="folder of a run")
+    if not command.prog.endswith(" status"):
+        text = "allow that the file of a scene of your own, which run.json names, is run"
+        command.add_argument("--trust", action="store_true", help=text)
     if command.prog.endswith(" resume"):
         Making.add_to(command)
 
@@ -43,7 +46,7 @@ def _status(options: argparse.Namespace) -> Answer:
 
 
 def _verify(options: argparse.Namespace) -> Answer:
-    run = open(options.folder)
+    run = open(options.folder, trust=options.trust)
     faults = run.verify()
     lines = faults or ["intact"]
     if faults and not run.changed():  # what was changed says itself what can be done
@@ -52,11 +55,12 @@ def _verify(options: argparse.Namespace) -> Answer:
 
 
 def _resume(options: argparse.Namespace) -> Answer:
-    return shown(open(options.folder).resume(**Making.said(options), progress=not options.quiet))
+    run = open(options.folder, trust=options.trust)
+    return shown(run.resume(**Making.said(options), progress=not options.quiet))
 
 
 def _summary(options: argparse.Namespace) -> Answer:
-    runs = [open(folder) for folder in options.folder]
+    runs = [open(folder, trust=options.trust) for folder in options.folder]
     run = runs[0] if len(runs) == 1 and options.command == "summary" else merge(*runs)
     if run.folder is not None:
         write_json(run.folder / "summary.json", run.summary)

@@ -26,7 +26,7 @@ from explorer.runs import store
 from explorer.runs.machine import arithmetic, machine
 from explorer.runs.settings import read_formats
 from explorer.scenes.options import plain
-from explorer.scenes.scene import Scene, file_of, scene_class, scene_of
+from explorer.scenes.scene import NAMES, Scene, file_of, is_known, known_scene, scene_class, scene_of
 from explorer.version import installed_version
 
 FORMAT = 3
@@ -83,7 +83,8 @@ def read_record(folder: Path) -> dict[str, Any]:
             digest_of_identity(record)  # which looks at what others need
             whole("chunks", record["chunks"])
             words("arithmetic", record["arithmetic"])
-            (record.get("from") or "").rpartition(":")  # words, where a scene is a user's
+            (scene,) = words("scene", [record["options"]["scene"]])
+            record["from"] = None if scene in NAMES else words("from", [record.get("from") or ""])[0]
             read_formats("formats", words("formats", record["formats"]))
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: is damaged ({store.in_one_line(error)}); {anew}") from None
@@ -93,25 +94,35 @@ def read_record(folder: Path) -> dict[str, Any]:
     return record
 
 
-def stored_scene(record: dict[str, Any]) -> Scene:
-    """The scene of a run.json; a user's is loaded from its file. Raises InputError."""
-    where = record.get("from")
-    if where:
+def stored_scene(folder: Path | None, record: dict[str, Any], trust: bool) -> Scene:
+    """The scene of a run.json. Raises InputError.
+
+    A user's that is not known is loaded from its file, which may do anything: only if `trust` says so, the file is
+    as it was when the run began, and the folder has not brought it along.
+    """
+    where = record["from"]
+    if where and not is_known(record["options"]["scene"], where):
         file, _, name = where.rpartition(":")
         if not Path(file).is_file():
             raise InputError(
                 f"scene {where}: the file is gone; put it back, or continue with: nearflat run NEW.py:{name} ... "
                 "--resume --out DIR, where ... stands for the options in run.json"
             )
+        if folder and Path(file).resolve().is_relative_to(folder.resolve()):
+            raise InputError(f"scene {where}: code in the folder of a run is not run; move the file elsewhere")
+        if _code_in(file) != record["code"]:
+            raise InputError(_remedy("code", record))
+        if not trust:
+            raise InputError(f"scene {where}: its code is run only if you say that you trust it; give trust")
         scene_class(where)
     return scene_of(record["options"])
 
 
-def changed(record: dict[str, Any], scene: Callable[[], Scene]) -> list[str]:
-    """What computed a run and is other now, in sentences. scene: makes it, where no file has its code."""
-    where = record.get("from")
+def changed(record: dict[str, Any]) -> list[str]:
+    """What computed a run and is other now, in sentences."""
+    file = (record["from"] or "").rpartition(":")[0]
     try:
-        code = _code_in(where.rpartition(":")[0]) if where else _code_of(type(scene()))
+        code = _code_in(file) if Path(file).is_file() else _code_of(known_scene(record["options"]["scene"]))
     except InputError:  # a user's, from a script or a notebook, is known only there
         if record["code"] is None:
             raise

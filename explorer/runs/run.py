@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from explorer import compiled
-from explorer.errors import InputError, Interrupted, RunError, note, one_of, shorten, words
+from explorer.errors import InputError, Interrupted, RunError, flag, note, one_of, shorten, words
 from explorer.measure.tallies import ByName
 from explorer.paths import path_of
 from explorer.runs import folder as folders
@@ -64,7 +64,8 @@ class Run:
     Attributes
     ----------
     scene : Scene
-        The question, with all its options. If the run is stored, the scene is loaded only when it is needed.
+        The question, with all its options. If the run is stored, the scene is loaded only when it is needed, and
+        one of a user only as `open` says.
     folder : Path or None
         Where the run is stored; None for one in memory and for several that are merged.
 
@@ -86,14 +87,15 @@ class Run:
         chunks: Sequence[store.Chunk] = (),
         folder: Path | None = None,
         parts: "Sequence[Run]" = (),
+        trust: bool = False,
     ) -> None:
-        self.folder, self._held, self._parts = folder, chunks, parts
+        self.folder, self._held, self._parts, self._trust = folder, chunks, parts, trust
         if scene is not None:
             self.scene = scene
 
     @cached_property
     def scene(self) -> Scene:
-        return folders.stored_scene(self.identity)
+        return folders.stored_scene(self.folder, self.identity, self._trust)
 
     @property
     def _due(self) -> int:
@@ -108,7 +110,7 @@ class Run:
     @property
     def options(self) -> dict[str, Any]:
         """Scene and options: `run(**options)` asks the same question again."""
-        return self.scene.options
+        return dict(self.identity["options"])
 
     @property
     def identity(self) -> dict[str, Any]:
@@ -240,11 +242,15 @@ class Run:
         >>> [table["race_angle"].size for table in races.tables(["race_angle"])]
         [1000]
         """
+        return map(store.table_of, self._rows(columns))
+
+    def _rows(self, columns: Columns) -> "Iterator[pa.Table]":
+        """Some columns of all chunks, in order."""
         chunks = self.complete()
         known = chunks[0].columns()
         asked = () if columns is None else words("columns", columns)
         names = [one_of("column", name, known) for name in asked] or known
-        return (chunk.table(names) for chunk in chunks)
+        return (chunk.arrow(names) for chunk in chunks)
 
     def arrow(self, columns: Columns = None) -> "pa.Table":
         """The kept samples as an Arrow table; each field says its meaning, unit and equation in its metadata.
@@ -260,9 +266,8 @@ class Run:
         """
         import pyarrow as pa  # loaded only by those who ask for a table
 
-        parts = (store.as_arrow(self.scene, table) for table in self.tables(columns))
         # A user's own column of whole numbers may lack one in another chunk, and is of doubles there.
-        return pa.concat_tables(parts, promote_options="permissive").unify_dictionaries()
+        return pa.concat_tables(self._rows(columns), promote_options="permissive").unify_dictionaries()
 
     def frame(self, columns: Columns = None) -> "pd.DataFrame":
         """The kept samples as a pandas DataFrame, status by name.
@@ -301,7 +306,7 @@ class Run:
         summary = self.folder and self.folder / "summary.json"
         if not faults and summary and summary.is_file():
             with contextlib.suppress(InputError):  # without the file of a user's scene nothing is added up
-                if summary.read_bytes() != store.as_json(Run(self.scene, folder=self.folder).summary):
+                if summary.read_bytes() != store.as_json(Run(folder=self.folder, trust=self._trust).summary):
                     faults.append("summary.json: does not belong to these chunks; run `nearflat summary`")
         return faults
 
@@ -316,7 +321,7 @@ class Run:
         """
         if self._parts:
             return [each for part in self._parts for each in part.changed()]
-        return folders.changed(self.identity, lambda: self.scene)
+        return folders.changed(self.identity) if self.folder else []
 
     def resume(self, **settings: Any) -> "Run":
         """Compute what is missing or damaged, and draw the pictures that are missing; returns the run itself.
@@ -359,13 +364,16 @@ class Run:
         return f"<b>{first}</b><ul>{''.join(f'<li>{line}</li>' for line in others)}</ul>"
 
 
-def open(folder: Path | str) -> Run:
+def open(folder: Path | str, *, trust: bool = False) -> Run:
     """Open a stored run, finished or not.
 
     Parameters
     ----------
     folder : path
         Folder of the run, which holds run.json.
+    trust : bool
+        True if the file of a user's scene that run.json names may be run. Without it no code that a folder names
+        is run: samples, counts and checks are read, but not what only the scene can say, its summary and pictures.
 
     Returns
     -------
@@ -375,7 +383,7 @@ def open(folder: Path | str) -> Run:
     ------
     InputError
         If there is no run, or one of another version. If its scene is not known here, the error comes only when
-        the scene is needed.
+        the scene is needed; also if it may not be loaded.
 
     Examples
     --------
@@ -389,7 +397,7 @@ def open(folder: Path | str) -> Run:
     """
     place = path_of("folder", folder)
     folders.read_record(place)
-    return Run(folder=place)
+    return Run(folder=place, trust=flag("trust", trust))
 
 
 def execute(scene: Scene, settings: Settings) -> Run:

@@ -59,12 +59,12 @@ class Chunk(NamedTuple):
         with self._opened() as file:
             return list(file.schema_arrow.names)
 
-    def table(self, columns: Sequence[str] | None = None) -> Table:
-        """Its kept rows; some columns, or all. Raises RunError where it is damaged."""
+    def arrow(self, columns: Sequence[str] | None = None) -> pa.Table:
+        """Its kept rows, with units and meanings; some columns, or all. Raises RunError where it is damaged."""
         with self._opened() as file:
-            wanted = None if columns is None else list(columns)
-            arrow = file.read(columns=wanted, use_threads=file.metadata.num_rows > _FEW)
-            return {name: _values(arrow.column(name)) for name in wanted or arrow.column_names}
+            wanted = list(columns or file.schema_arrow.names)
+            table = file.read(columns=wanted, use_threads=file.metadata.num_rows > _FEW)
+            return table.select(wanted).replace_schema_metadata()
 
     @contextlib.contextmanager
     def _opened(self) -> Iterator[pq.ParquetFile]:
@@ -94,7 +94,7 @@ class Chunk(NamedTuple):
                 note = _noted(file)
             if (note["identity"], note["index"]) != (identity, self.number):
                 return "it belongs to another run"
-            if rows and digest_of(Chunk(self.name, inside).table(), note["tally"]) != note["digest"]:
+            if rows and digest_of(table_of(Chunk(self.name, inside).arrow()), note["tally"]) != note["digest"]:
                 return "its rows and counts have another digest than it says"
         except (RunError, *_DAMAGE) as error:
             return in_one_line(error)
@@ -171,6 +171,11 @@ def _noted(file: pq.ParquetFile) -> dict[str, Any]:
     if sha256(metadata[_NOTE]).encode() != metadata[_CHECK]:
         raise ValueError("checksum of its metadata")
     return dict(json.loads(metadata[_NOTE]))
+
+
+def table_of(arrow: pa.Table) -> Table:
+    """Rows as arrays."""
+    return {name: _values(arrow.column(name)) for name in arrow.column_names}
 
 
 def _values(column: pa.ChunkedArray) -> NDArray[Any]:
