@@ -9,8 +9,8 @@ import inspect
 import json
 import linecache
 import platform
-import shutil
-from collections.abc import Callable, Iterator
+import re
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import cache
@@ -31,7 +31,6 @@ from explorer.version import installed_version
 
 FORMAT = 3
 PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pandas", "pyarrow", "tqdm")
-_FOLDERS = ("chunks", "bad", "figures")  # which a run makes
 _STAY = ("chunk_size", "theta_min")  # which have other defaults in a longer run
 MADE_BY = ("kernels", "code")  # what decides the numbers beside the options
 
@@ -86,6 +85,8 @@ def read_record(folder: Path) -> dict[str, Any]:
             (scene,) = words("scene", [record["options"]["scene"]])
             record["from"] = None if scene in NAMES else words("from", [record.get("from") or ""])[0]
             read_formats("formats", words("formats", record["formats"]))
+            drawn = [each.name for each in (path.parent / "figures").glob("*")]  # before they were recorded
+            record["pictures"] = words("pictures", record.get("pictures", drawn))
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: is damaged ({store.in_one_line(error)}); {anew}") from None
     if record.get("format") != FORMAT:
@@ -169,8 +170,8 @@ def opened(folder: Path, scene: Scene, exist: str) -> Iterator[tuple[Scene, dict
     """
     fresh = not folder.exists()
     record = made_folder("out", folder) / "run.json"
-    own = {".lock", *_FOLDERS}
-    if not record.exists() and any(path.name not in own and not path.match(".*.tmp") for path in folder.iterdir()):
+    own = rf"\.lock|chunks|bad|figures|{store.BEGUN}"
+    if not record.exists() and not all(re.fullmatch(own, path.name) for path in folder.iterdir()):
         raise InputError(f"out {folder}: is not empty and holds no run; give another folder")
     try:
         lock = FileLock(folder / ".lock").acquire(timeout=0)
@@ -180,10 +181,7 @@ def opened(folder: Path, scene: Scene, exist: str) -> Iterator[tuple[Scene, dict
         if record.exists() and exist == "error":
             raise InputError(f"out {folder}: holds a run already; resume it, replace it, or give another folder")
         if exist == "replace":
-            for place in _FOLDERS:
-                shutil.rmtree(folder / place, ignore_errors=True)
-            for name in ("summary.json", "run.json"):
-                (folder / name).unlink(missing_ok=True)
+            remove(folder)
         (folder / "chunks").mkdir(exist_ok=True)
         known = read_record(folder) if record.exists() else {}
         if known:
@@ -192,18 +190,38 @@ def opened(folder: Path, scene: Scene, exist: str) -> Iterator[tuple[Scene, dict
         try:
             yield scene, known
         finally:
-            if fresh and not record.exists():  # it was not begun, or nothing came of it
-                shutil.rmtree(folder, ignore_errors=True)
+            if not record.exists():  # it was not begun, or nothing came of it
+                remove(folder)
+                with contextlib.suppress(OSError):  # the lock is held too firmly, or something stays
+                    (folder / ".lock").unlink()
+                    folder.rmdir() if fresh else None
+
+
+def remove(folder: Path) -> None:
+    """Delete the run of a folder, by the names of its files; all others stay, and folders that have some."""
+    with contextlib.suppress(InputError):
+        remove_pictures(folder, read_record(folder)["pictures"])
+    for place in (folder / "chunks", folder / "bad", folder / "figures", folder):
+        for path in store.files_in(place, rf"{store.NAME}|{store.BEGUN}|run\.json|summary\.json"):
+            path.unlink()
+        with contextlib.suppress(OSError):  # something stays, if only the lock
+            place.rmdir()
+
+
+def remove_pictures(folder: Path, names: Sequence[str]) -> None:
+    """Delete pictures of a run that are finished or begun, by the names that run.json has."""
+    for path in store.files_in(folder / "figures", rf"\.?({'|'.join(map(re.escape, names))})"):
+        path.unlink()
 
 
 def missing_chunks(folder: Path, scene: Scene, say: Callable[[str], None]) -> list[int]:
     """The numbers of chunks that are not there or not good. What is no good chunk is moved to bad/ and told."""
-    for leftover in (*folder.glob(".*.tmp"), *folder.glob("chunks/.*.tmp")):
+    for leftover in (*store.files_in(folder, store.BEGUN), *store.files_in(folder / "chunks", store.BEGUN)):
         leftover.unlink(missing_ok=True)
-    good, shared = set[int | None](), digest_of_identity(identity(scene))
+    good, shared = set[int](), digest_of_identity(identity(scene))
     for chunk, fault in store.examined(store.chunks_in(folder), scene.chunks, shared):
         path, place = folder / "chunks" / chunk.name, folder / "bad"
-        if not fault and chunk.note()["drawn"] < scene.drawn(chunk.number or 0):
+        if not fault and chunk.note()["drawn"] < scene.drawn(chunk.number):
             say(f"{chunk.name}: it was at the end of a run of fewer samples; it is computed anew")
             path.unlink()
         elif not fault:

@@ -2,7 +2,6 @@
 
 import contextlib
 import html
-import shutil
 import sys
 import threading
 import time
@@ -119,7 +118,7 @@ class Run:
 
     @property
     def chunks(self) -> list[store.Chunk]:
-        """The stored chunks, with files that have the name of a chunk but may be damaged."""
+        """The stored chunks: all files that have the name of one; they may be damaged."""
         return list(self._held) if self.folder is None else store.chunks_in(self.folder)
 
     def complete(self) -> list[store.Chunk]:
@@ -427,7 +426,7 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
 
     missing = folders.missing_chunks(folder, scene, say)
     require_room(scene, settings, len(missing))
-    known: dict[str, Any] = {"command": None, "formats": FORMATS, "arithmetic": []} | record
+    known: dict[str, Any] = {"command": None, "formats": FORMATS, "arithmetic": [], "pictures": ()} | record
     how: dict[str, Any] = {
         "started": known.get("started", folders.now()),
         "command": settings.command or known["command"],
@@ -435,24 +434,27 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
         "backend": settings.backend,
         "formats": (settings.format or known["formats"] or FORMATS) if settings.figures else [],
         "arithmetic": folders.processors(record, say) if missing else known["arithmetic"],
+        "pictures": known["pictures"],
     }
     folders.write_record(folder, scene, how)
     compiled.warmup(scene.kernels, say)  # takes long; what is stopped now can be resumed
     with stopping(settings.onward) as stop:
         deque(_computed(scene, settings, missing, stop), maxlen=0)
         how |= {"chunks_computed": len(missing), "seconds_for_chunks": round(time.monotonic() - clock, 3)}
-        run, summary, drawn = Run(scene, folder=folder), folder / "summary.json", folder / "figures"
+        run, summary = Run(scene, folder=folder), folder / "summary.json"
         try:
             found = store.as_json(run.summary)
         except RunError:
             if not run.status.status.get("ok"):  # nothing came of it: the command, mended, may use the folder
-                shutil.rmtree(folder / "chunks")
-                (folder / "run.json").unlink()
+                folders.remove(folder)
             raise
-        if summary.exists() and summary.read_bytes() != found:
-            shutil.rmtree(drawn, ignore_errors=True)  # pictures of fewer samples
+        if summary.is_file() and summary.read_bytes() != found:
+            folders.remove_pictures(folder, known["pictures"])  # of fewer samples
         store.write_json(summary, run.summary)
         if how["formats"]:
+            drawn = [f"{name}.{kind}" for name in run.pictures for kind in how["formats"]]
+            how["pictures"] = sorted({*known["pictures"], *drawn})
+            folders.write_record(folder, scene, how)  # before they are there, so that they are known as ours
             _draw_missing(run, how["formats"], stop, settings.onward)
     folders.write_record(folder, scene, {**how, "finished": folders.now()})
     return run

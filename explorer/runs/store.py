@@ -27,7 +27,8 @@ from explorer.errors import RunError, shorten
 from explorer.phase.results import status_codes, to_arrow
 from explorer.scenes.scene import Scene, Table
 
-_NAME = re.compile(r"chunk-([0-9]{6}|[1-9][0-9]{6,8})-([0-9a-f]{16})\.parquet")
+NAME = r"chunk-[0-9]{6}-[0-9a-f]{16}\.parquet"
+BEGUN = rf"\.({NAME}|run\.json|summary\.json)\.[0-9]+\.tmp"  # while it is written
 _NOTE, _CHECK = b"nearflat", b"nearflat.sha256"  # of the footer: what it says, and the digest of that
 _FEW = 1 << 14  # rows, which one thread has read before others are asked to
 _DAMAGE = (OSError, ValueError, KeyError, TypeError, pa.ArrowException)  # what reading a damaged file may raise
@@ -40,10 +41,9 @@ class Chunk(NamedTuple):
     content: Path | bytes
 
     @property
-    def number(self) -> int | None:
-        """The number in its name; None where the name is not a chunk's."""
-        match = _NAME.fullmatch(self.name)
-        return int(match[1]) if match else None
+    def number(self) -> int:
+        """The number in its name."""
+        return int(self.name.split("-")[1])
 
     def data(self) -> bytes:
         """Its bytes."""
@@ -102,8 +102,14 @@ class Chunk(NamedTuple):
 
 
 def chunks_in(folder: Path) -> list[Chunk]:
-    """The Parquet files of a run, sorted by name; files that are being written have other names."""
-    return [Chunk(path.name, path) for path in sorted((folder / "chunks").glob("*.parquet"))]
+    """The chunks of a run, in order: all files that have the name of one; they may be damaged."""
+    return [Chunk(path.name, path) for path in files_in(folder / "chunks", NAME)]
+
+
+def files_in(folder: Path, pattern: str) -> list[Path]:
+    """The files of a folder that have such a name, in order. All others are the user's; a pipe is no file."""
+    there = folder.iterdir() if folder.is_dir() else ()
+    return sorted(path for path in there if re.fullmatch(pattern, path.name) and path.is_file())
 
 
 def examined(
@@ -112,8 +118,8 @@ def examined(
     """Each chunk of a run of `count` with what is wrong with it; empty where all is well."""
     known = Counter(chunk.number for chunk in chunks)
     for chunk in chunks:
-        if chunk.number is None or known[chunk.number] > 1:
-            yield chunk, "is no chunk of this run, or there are two of its number"
+        if known[chunk.number] > 1:
+            yield chunk, "there are two of its number"
         elif chunk.number >= count:
             yield chunk, f"is beyond the end of the run, which has {count:,} chunks"
         else:

@@ -1,6 +1,8 @@
 """The folder of a run: its record is enough to go on, and nothing else is touched."""
 
+import contextlib
 import json
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -132,6 +134,57 @@ def test_replace_removes_the_run_and_what_stands_beside_it_stays(finished):
     left = {path for path in contents(folder) if path.suffix not in (".parquet", ".json")}
     assert left == {Path("mine.txt"), Path(".lock")}
     assert len([*folder.rglob("*.parquet")]) == 1
+
+
+def test_only_pictures_that_the_run_has_drawn_are_deleted(tmp_path):
+    """Also where samples are added, and by another scene."""
+    folder = tmp_path / "paper"
+    ex.run(Coins, out=folder, format="svg", **SMALL)
+    (folder / "figures" / "fig1.png").write_text("mine")
+    for how in ({"samples": 4000}, {"exist": "replace"}):
+        ex.run(Coins, out=folder, format="svg", **{**SMALL, **how})
+        assert {path.name for path in (folder / "figures").iterdir()} == {"fig1.png", "bars.svg"}
+    ex.run("race-angles", samples=100, out=folder, exist="replace", figures=False)
+    assert [path.name for path in (folder / "figures").iterdir()] == ["fig1.png"]
+
+
+@pytest.mark.parametrize("name", ["figures/fig1.png", "chunks/mine.parquet", ".notes.tmp", "chunks/.swap.17.tmp"])
+@pytest.mark.parametrize("exist", ["resume", "replace", "error"])
+def test_files_that_no_run_has_made_stay_where_no_run_was(name, exist, tmp_path):
+    (tmp_path / "paper" / "chunks").mkdir(parents=True)
+    (tmp_path / "paper" / "figures").mkdir()
+    (tmp_path / "paper" / name).write_text("mine")
+    with pytest.raises(ex.InputError, match="not empty") if name == ".notes.tmp" else contextlib.nullcontext():
+        ex.run(Coins, out=tmp_path / "paper", exist=exist, **SMALL)
+    assert (tmp_path / "paper" / name).read_text() == "mine"
+
+
+def test_files_of_others_in_the_folder_of_a_run_stay(finished):
+    """A pipe with the name of a chunk is not waited for."""
+    names = ["bad/x.txt", "chunks/mine.parquet", ".notes.tmp", "chunks/.swap.17.tmp", "figures/.b.png.tmp"]
+    (finished.folder / "bad").mkdir()
+    for name in names:
+        (finished.folder / name).write_text("mine")
+    os.mkfifo(finished.folder / "chunks" / f"chunk-000002-{'0' * 16}.parquet")
+    assert finished.verify() == []
+    assert ex.open(finished.folder).status.chunks_done == 5
+    finished.resume(progress=False)
+    ex.run(Coins, out=finished.folder, exist="replace", samples=10, figures=False)
+    assert [(finished.folder / name).read_text() for name in names] == ["mine"] * len(names)
+
+
+def test_a_picture_that_a_record_names_elsewhere_is_not_deleted(finished):
+    (finished.folder / "mine.svg").touch()
+    rewritten(finished, pictures=["../mine.svg", "bars.svg"])
+    ex.run(Coins, out=finished.folder, exist="replace", samples=10, figures=False)
+    assert (finished.folder / "mine.svg").exists()
+
+
+def test_an_empty_folder_is_empty_where_nothing_came_of_a_run(tmp_path):
+    (tmp_path / "mine").mkdir()
+    with pytest.raises(ex.InputError, match="free"):
+        ex.run(Coins, out=tmp_path / "mine", samples=10**12, chunk_size=1 << 26, keep="all")
+    assert list((tmp_path / "mine").iterdir()) == []
 
 
 def test_a_folder_with_something_else_is_left_alone(tmp_path):
