@@ -24,7 +24,7 @@ from explorer.errors import InputError, shown, whole, words
 from explorer.paths import made_folder, path_of
 from explorer.runs import store
 from explorer.runs.machine import arithmetic, machine
-from explorer.runs.settings import read_formats
+from explorer.runs.settings import MOST_CHUNKS, read_formats
 from explorer.scenes.options import plain
 from explorer.scenes.scene import NAMES, Scene, file_of, is_known, known_scene, scene_class, scene_of
 from explorer.version import installed_version
@@ -72,7 +72,7 @@ def digest_of_identity(known: dict[str, Any]) -> str:
 def read_record(folder: Path) -> dict[str, Any]:
     """What run.json says. Raises InputError."""
     path = path_of("DIR", folder) / "run.json"
-    if not path.exists():
+    if not path.is_file():
         why = "holds no run (there is no run.json)" if path.parent.exists() else "there is no such folder"
         raise InputError(f"{shown(str(folder))}: {why}")
     anew = "start the run anew in another folder"
@@ -80,19 +80,27 @@ def read_record(folder: Path) -> dict[str, Any]:
         record = dict(json.loads(path.read_bytes()))
         if record.get("format") == FORMAT:
             digest_of_identity(record)  # which looks at what others need
-            whole("chunks", record["chunks"])
+            record["chunks"] = whole("chunks", record["chunks"], 1, MOST_CHUNKS)
+            if record.get("check", check := _check(record)) != check:
+                raise ValueError("other options or chunks stand there than were written")
+            store.as_json(record)  # which refuses infinite numbers
             words("arithmetic", record["arithmetic"])
             (scene,) = words("scene", [record["options"]["scene"]])
             record["from"] = None if scene in NAMES else words("from", [record.get("from") or ""])[0]
             read_formats("formats", words("formats", record["formats"]))
             drawn = [each.name for each in (path.parent / "figures").glob("*")]  # before they were recorded
             record["pictures"] = words("pictures", record.get("pictures", drawn))
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(f"{path}: is damaged ({store.in_one_line(error)}); {anew}") from None
     if record.get("format") != FORMAT:
         other = f"another version of nearflat wrote it (format {shown(record.get('format'))}, not {FORMAT})"
         raise InputError(f"{path}: {other}; use that version, or {anew}")
     return record
+
+
+def _check(record: dict[str, Any]) -> str:
+    """Digest of what a run.json says of the question: a wrong number there would make good chunks bad ones."""
+    return store.sha256(json.dumps([record["options"], record["chunks"]], sort_keys=True))[:16]
 
 
 def stored_scene(folder: Path | None, record: dict[str, Any], trust: bool) -> Scene:
@@ -155,7 +163,7 @@ def require_same(folder: Path, record: dict[str, Any], scene: Scene) -> None:
     for key, before, now in differing(record, identity(scene)):
         if key in MADE_BY:
             raise InputError(f"{folder}: {_remedy(key, record)}")
-        if not (key == "samples" and before < now):
+        if not (key == "samples" and whole("samples", before) < now):
             raise InputError(
                 f"{folder} was run with {key} = {shown(before)}, now {key} = {shown(now)}; give the "
                 "same (or more samples), another folder, or replace the run"
@@ -219,7 +227,7 @@ def missing_chunks(folder: Path, scene: Scene, say: Callable[[str], None]) -> li
     for leftover in (*store.files_in(folder, store.BEGUN), *store.files_in(folder / "chunks", store.BEGUN)):
         leftover.unlink(missing_ok=True)
     good, shared = set[int](), digest_of_identity(identity(scene))
-    for chunk, fault in store.examined(store.chunks_in(folder), scene.chunks, shared):
+    for chunk, fault in store.examined(store.chunks_in(folder, shared), scene.chunks):
         path, place = folder / "chunks" / chunk.name, folder / "bad"
         if not fault and chunk.note()["drawn"] < scene.drawn(chunk.number):
             say(f"{chunk.name}: it was at the end of a run of fewer samples; it is computed anew")
@@ -237,7 +245,8 @@ def write_record(folder: Path, scene: Scene, how: dict[str, Any]) -> None:
     """Write run.json: everything needed to run it again, how it was made, and what it ran on."""
     versions = {"python": platform.python_version(), **{name: installed_version(name) for name in PACKAGES}}
     content = {"format": FORMAT, **identity(scene), "from": file_of(type(scene)), "chunks": scene.chunks, **how}
-    store.write_json(folder / "run.json", {**content, "versions": versions, "machine": machine()})
+    about = {"check": _check(content), "versions": versions, "machine": machine()}
+    store.write_json(folder / "run.json", content | about)
 
 
 def processors(record: dict[str, Any], say: Callable[[str], None]) -> list[str]:

@@ -99,7 +99,7 @@ class Run:
     @property
     def _due(self) -> int:
         """How many chunks it has when it is finished."""
-        return self.scene.chunks if self.folder is None else int(self.identity["chunks"])
+        return self.scene.chunks if self.folder is None else self.identity["chunks"]
 
     @property
     def parts(self) -> "tuple[Run, ...]":
@@ -119,7 +119,9 @@ class Run:
     @property
     def chunks(self) -> list[store.Chunk]:
         """The stored chunks: all files that have the name of one; they may be damaged."""
-        return list(self._held) if self.folder is None else store.chunks_in(self.folder)
+        if self.folder is None:
+            return list(self._held)
+        return store.chunks_in(self.folder, folders.digest_of_identity(self.identity))
 
     def complete(self) -> list[store.Chunk]:
         """All chunks, in order. Raises RunError if one is missing, or if two have the same number.
@@ -146,13 +148,11 @@ class Run:
         """All that was counted, for pictures, and the numbers."""
         total, digests = self.scene.tally(), list[str]()
         for part in self.parts:
-            due = folders.digest_of_identity(part.identity)
             for said in map(store.Chunk.note, part.complete()):
-                if said["identity"] != due:
-                    fault = "its chunks are not those that run.json describes"
-                    raise RunError(f"{part.folder}: {fault}; see: nearflat verify {part.folder}")
                 total += self.scene.tally.of_state(said["tally"])
                 digests.append(said["digest"])
+        if (count := sum(total.status.values())) != (due := sum(samples_of(part.scene) for part in self.parts)):
+            raise RunError(f"{self.folder}: run.json says {due:,} samples, and its chunks have {count:,}")
         numbers = {**self.options, **plain(self.scene.summarise(total))}
         store.as_json(numbers)  # fails here where it is no JSON
         numbers["digest"] = store.digest_of_all(digests)
@@ -294,13 +294,13 @@ class Run:
         """
         if self._parts:
             return [fault for part in self._parts for fault in part.verify()]
-        known, chunks, due = self.identity, self.chunks, self._due
+        chunks, due = self.chunks, self._due
         faults = [f"run.json: {each}" for each in self.changed()]
         missing = sorted({*range(due)} - {chunk.number for chunk in chunks})
         named = shorten(", ".join(map(str, missing)), 60)
         if missing:
             faults.append(f"{len(missing):,} of {due:,} chunks are missing: {named}")
-        looked_at = store.examined(chunks, due, folders.digest_of_identity(known), rows=True)
+        looked_at = store.examined(chunks, due)
         faults += [f"{chunk.name}: {fault}" for chunk, fault in looked_at if fault]
         summary = self.folder and self.folder / "summary.json"
         if not faults and summary and summary.is_file():

@@ -15,6 +15,7 @@ from explorer.scenes.scene import Scene, scene_class
 FORMATS, KNOWN_FORMATS = ("png", "svg"), ("png", "svg", "pdf")
 # What a run in memory may draw: some hundred megabytes where all rows are kept.
 MOST_IN_MEMORY = 1_000_000
+MOST_CHUNKS = 1_000_000  # of a run: their numbers have six digits, so that files sorted by name are in order
 # Of records and of the command line, beside those of options
 _WORDS = ("scene", "help", "json", "quiet", "resume", "replace", "command", "command_line", "call")
 

@@ -31,14 +31,18 @@ NAME = r"chunk-[0-9]{6}-[0-9a-f]{16}\.parquet"
 BEGUN = rf"\.({NAME}|run\.json|summary\.json)\.[0-9]+\.tmp"  # while it is written
 _NOTE, _CHECK = b"nearflat", b"nearflat.sha256"  # of the footer: what it says, and the digest of that
 _FEW = 1 << 14  # rows, which one thread has read before others are asked to
-_DAMAGE = (OSError, ValueError, KeyError, TypeError, pa.ArrowException)  # what reading a damaged file may raise
+_DAMAGE = (OSError, ValueError, KeyError, TypeError, RecursionError, pa.ArrowException)  # of damaged files
 
 
 class Chunk(NamedTuple):
-    """A chunk of a run: its name, and the file that has its bytes, or these themselves."""
+    """A chunk of a run: its name, the file that has its bytes or these themselves, and what all chunks share.
+
+    Whoever reads it is told where it is the chunk of another run, or another one under its name.
+    """
 
     name: str
     content: Path | bytes
+    identity: str
 
     @property
     def number(self) -> int:
@@ -51,59 +55,59 @@ class Chunk(NamedTuple):
 
     def note(self) -> dict[str, Any]:
         """What its footer says: index, identity, drawn, digest of rows and counts, tally. Raises RunError."""
-        with self._opened() as file:
-            return _noted(file)
+        with self._opened() as (_, note):
+            return note
 
     def columns(self) -> list[str]:
         """The names of its columns. Raises RunError where it is damaged."""
-        with self._opened() as file:
+        with self._opened() as (file, _):
             return list(file.schema_arrow.names)
 
     def arrow(self, columns: Sequence[str] | None = None) -> pa.Table:
         """Its kept rows, with units and meanings; some columns, or all. Raises RunError where it is damaged."""
-        with self._opened() as file:
+        with self._opened() as (file, _):
             wanted = list(columns or file.schema_arrow.names)
             table = file.read(columns=wanted, use_threads=file.metadata.num_rows > _FEW)
             return table.select(wanted).replace_schema_metadata()
 
     @contextlib.contextmanager
-    def _opened(self) -> Iterator[pq.ParquetFile]:
+    def _opened(self) -> Iterator[tuple[pq.ParquetFile, dict[str, Any]]]:
         try:
             # Arrow would look for the kind of file system in a path, which takes as long as to open the file, and
             # would take a relative one with a colon for an address.
             content = self.content
             source = pa.BufferReader(content) if isinstance(content, bytes) else pa.OSFile(str(content.absolute()))
             with source, pq.ParquetFile(source, page_checksum_verification=True) as file:
-                yield file
+                note = _noted(file)
+                if note["identity"] != self.identity:
+                    raise ValueError("it belongs to another run")
+                if note["index"] != self.number:
+                    raise ValueError(f"it is chunk {note['index']} under another name")
+                yield file, note
         except _DAMAGE as error:
             where = self.name if isinstance(self.content, bytes) else self.content
             raise RunError(
                 f"{where}: cannot be read or is damaged ({in_one_line(error)}); resume the run"
             ) from error
 
-    def fault(self, identity: str, rows: bool) -> str:
-        """What is wrong with it as a chunk of this run, by all of its bytes; empty where all is well.
-
-        rows: whether they are read too, and compared with the digest in its footer.
-        """
+    def fault(self) -> str:
+        """What is wrong with it as a chunk of this run, by all of its bytes and rows; empty where all is well."""
         try:
-            inside = self.data()
-            if not self.name.endswith(f"-{sha256(inside)[:16]}.parquet"):
+            content = self.data()
+            if not self.name.endswith(f"-{sha256(content)[:16]}.parquet"):
                 return "its bytes are not those that were written"
-            with Chunk(self.name, inside)._opened() as file:
-                note = _noted(file)
-            if (note["identity"], note["index"]) != (identity, self.number):
-                return "it belongs to another run"
-            if rows and digest_of(table_of(Chunk(self.name, inside).arrow()), note["tally"]) != note["digest"]:
+            with self._replace(content=content)._opened() as (file, note):
+                table = table_of(file.read())
+            if digest_of(table, note["tally"]) != note["digest"]:
                 return "its rows and counts have another digest than it says"
         except (RunError, *_DAMAGE) as error:
-            return in_one_line(error)
+            return in_one_line(error.__cause__ or error)
         return ""
 
 
-def chunks_in(folder: Path) -> list[Chunk]:
+def chunks_in(folder: Path, identity: str) -> list[Chunk]:
     """The chunks of a run, in order: all files that have the name of one; they may be damaged."""
-    return [Chunk(path.name, path) for path in files_in(folder / "chunks", NAME)]
+    return [Chunk(path.name, path, identity) for path in files_in(folder / "chunks", NAME)]
 
 
 def files_in(folder: Path, pattern: str) -> list[Path]:
@@ -112,9 +116,7 @@ def files_in(folder: Path, pattern: str) -> list[Path]:
     return sorted(path for path in there if re.fullmatch(pattern, path.name) and path.is_file())
 
 
-def examined(
-    chunks: Sequence[Chunk], count: int, identity: str, rows: bool = False
-) -> Iterator[tuple[Chunk, str]]:
+def examined(chunks: Sequence[Chunk], count: int) -> Iterator[tuple[Chunk, str]]:
     """Each chunk of a run of `count` with what is wrong with it; empty where all is well."""
     known = Counter(chunk.number for chunk in chunks)
     for chunk in chunks:
@@ -123,7 +125,7 @@ def examined(
         elif chunk.number >= count:
             yield chunk, f"is beyond the end of the run, which has {count:,} chunks"
         else:
-            yield chunk, chunk.fault(identity, rows)
+            yield chunk, chunk.fault()
 
 
 Done = tuple[Chunk, dict[str, int]]  # a chunk, and in which status its samples ended
@@ -140,7 +142,7 @@ def make_chunk(scene: Scene, index: int, identity: str, folder: Path | None) -> 
     stream = pa.BufferOutputStream()
     _write_parquet(arrow, stream, {_NOTE: text, _CHECK: sha256(text).encode()})
     content = stream.getvalue().to_pybytes()
-    chunk = Chunk(f"chunk-{index:06d}-{sha256(content)[:16]}.parquet", content)
+    chunk = Chunk(f"chunk-{index:06d}-{sha256(content)[:16]}.parquet", content, identity)
     if folder is not None:
         chunk = chunk._replace(content=commit(folder / "chunks" / chunk.name, content))
     return chunk, dict(tally.status)
@@ -215,7 +217,7 @@ def sha256(content: str | bytes) -> str:
     return hashlib.sha256(content.encode() if isinstance(content, str) else content).hexdigest()
 
 
-def in_one_line(error: Exception) -> str:
+def in_one_line(error: BaseException) -> str:
     """What an exception says, not too long."""
     return shorten(" ".join(str(error).split()), 150)
 

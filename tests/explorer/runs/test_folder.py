@@ -9,9 +9,11 @@ from pathlib import Path
 
 import pytest
 from coins import SMALL, Coins
+from told import said
 
 import explorer as ex
 from explorer import compiled
+from explorer.runs import store
 from explorer.runs.folder import FORMAT, opened, read_record
 from explorer.scenes import falling_set
 from explorer.scenes import scene as scenes
@@ -103,9 +105,9 @@ def test_a_run_goes_on_with_the_size_of_chunks_and_the_theta_min_that_it_began_w
     few, many = {"samples": 2000, "grid": 3, "figures": False}, {"samples": 4000, "grid": 3, "figures": False}
     usual = ex.run("falling-set", **many).scene
     assert (usual.theta_min, usual.chunk_size) == ("near", 1 << 20)
-    for said, stays in (({}, ("all", 1 << 16)), ({"theta_min": "none", "chunk_size": 512}, ("none", 512))):
+    for given, stays in (({}, ("all", 1 << 16)), ({"theta_min": "none", "chunk_size": 512}, ("none", 512))):
         folder = tmp_path / stays[0]
-        ex.run("falling-set", out=folder, **few, **said)
+        ex.run("falling-set", out=folder, **few, **given)
         scene = ex.run("falling-set", out=folder, **many).scene
         assert (scene.samples, scene.theta_min, scene.chunk_size) == (4000, *stays)
         with pytest.raises(ex.InputError, match="chunk_size"):
@@ -267,6 +269,43 @@ def test_a_record_that_says_nothing_of_use_is_damaged(changes, finished):
     for ask in (lambda: ex.open(finished.folder), lambda: ex.run(Coins, out=finished.folder, **SMALL)):
         with pytest.raises(ex.InputError, match=rf"run\.json: is damaged \({next(iter(changes))}"):
             ask()
+
+
+@pytest.mark.parametrize("key", ["seed", "samples", "chunk_size", "bias", "keep"])
+def test_another_number_among_the_options_is_told_and_makes_no_good_chunk_a_bad_one(key, finished):
+    path = finished.folder / "run.json"
+    record = json.loads(path.read_text())
+    record["options"][key] = "near" if key == "keep" else 2 * record["options"][key]
+    path.write_text(json.dumps(record))
+    before = contents(finished.folder)
+    for ask in (ex.open, lambda folder: ex.run(Coins, out=folder, **SMALL)):
+        with pytest.raises(ex.InputError, match=r"run\.json: is damaged .other options or chunks stand there"):
+            ask(finished.folder)
+    assert contents(finished.folder) == before
+
+
+@pytest.mark.parametrize("signed", [False, True])
+@pytest.mark.parametrize("command", ["status", "verify", "summary", "resume", "merge", "gallery"])
+def test_whatever_a_record_says_is_answered_in_words(command, signed, finished, capsys):
+    """Also where somebody has made the checksum of the options fit."""
+    path = finished.folder / "run.json"
+    right = path.read_text()
+    options = json.loads(right)["options"]
+    edits = [("options", {"a": 1}), ("chunks", 1e308), ("chunks", "1e6"), ("chunks", 0), ("started", float("inf"))]
+    edits += [("options", {**options, "samples": value}) for value in ("1e6", -1, [], None, 300)]
+    edits += [("options", {"scene": value}) for value in (3, None, "../x.py:E", "race-angles")]
+    edits += [(key, value) for key in ("from", "formats", "pictures", "arithmetic") for value in (3, "x", [3], {})]
+    for key, value in edits:
+        record = {**json.loads(right), key: value}
+        if signed:
+            record["check"] = store.sha256(json.dumps([record["options"], record["chunks"]], sort_keys=True))[:16]
+        path.write_text(json.dumps(record))
+        status, out, err = said(capsys, command, finished.folder, *[finished.folder] * (command == "merge"))
+        assert status in (0, 1, 2), (key, value)
+        assert out or err, (key, value)
+    for content in ("[" * 200_000, '{"a":' * 100_000):
+        path.write_text(content)
+        assert said(capsys, command, finished.folder)[0] == (0 if command == "gallery" else 2)
 
 
 @pytest.mark.parametrize("number", [2, 4])

@@ -4,6 +4,7 @@ import errno
 import hashlib
 import json
 import os
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -112,7 +113,7 @@ def test_chunks_of_another_run_are_no_chunks_of_this_one(finished, tmp_path):
     chunk_of(finished, 2).unlink()
     (finished.folder / "chunks" / theirs.name).write_bytes(theirs.read_bytes())
     assert finished.verify() == [f"{theirs.name}: it belongs to another run"]
-    with pytest.raises(ex.RunError, match=r"its chunks are not those that run\.json describes"):
+    with pytest.raises(ex.RunError, match="it belongs to another run"):
         _ = ex.open(finished.folder).summary
 
 
@@ -156,6 +157,36 @@ def test_a_file_that_says_the_same_stays_as_it_is(tmp_path):
     assert json.loads(path.read_text()) == {"a": 1}
     with pytest.raises(ValueError, match="JSON compliant"):
         store.write_json(path, {"a": float("nan")})
+
+
+def test_a_chunk_under_the_name_of_another_is_never_taken_for_it(finished):
+    one, two = chunk_of(finished, 1), chunk_of(finished, 2)
+    two.write_bytes(one.read_bytes())
+    for ask in (lambda run: run.summary, lambda run: run.frame(), lambda run: [*run.tables()]):
+        with pytest.raises(ex.RunError, match="it is chunk 1 under another name"):
+            ask(ex.open(finished.folder))
+    assert ex.open(finished.folder).status.chunks_done == 4
+
+
+def test_rows_of_another_run_are_never_given_out(finished, tmp_path):
+    other = ex.run(Coins, **{**SMALL, "seed": 6}, out=tmp_path / "other", figures=False)
+    chunk_of(finished, 2).unlink()
+    shutil.copy(chunk_of(other, 2), finished.folder / "chunks")
+    with pytest.raises(ex.RunError, match="it belongs to another run"):
+        ex.open(finished.folder).frame()
+
+
+def test_a_damaged_chunk_that_has_the_name_of_its_bytes_is_computed_anew(finished):
+    digest, path = finished.summary["digest"], chunk_of(finished, 3)
+    content = bytearray(path.read_bytes())
+    content[400] ^= 1
+    path.unlink()
+    name = f"chunk-000003-{store.sha256(bytes(content))[:16]}.parquet"
+    path.with_name(name).write_bytes(content)
+    assert ex.open(finished.folder).verify() != []
+    assert finished.resume(progress=False).summary["digest"] == digest
+    assert finished.verify() == []
+    assert [each.name for each in (finished.folder / "bad").iterdir()] == [name]
 
 
 def test_what_else_stands_among_the_chunks_is_the_user_s_and_stays(finished):
