@@ -173,24 +173,26 @@ class Run:
     @property
     def status(self) -> Progressed:
         """How far the run is: chunks and samples done, counts of each status, what is missing."""
-        due, notes = sum(part._due for part in self.parts), list[dict[str, Any]]()
+        due, done, counts = sum(part._due for part in self.parts), 0, ByName[int]()
         for part in self.parts:
-            there = {chunk.number: chunk for chunk in part.chunks if chunk.number in range(part._due)}
+            own = range(part._due)
+            there = {chunk.number: chunk for chunk in part.chunks if chunk.number in own}
             for chunk in there.values():
                 with contextlib.suppress(RunError):  # `verify` says what is wrong with it
-                    notes.append(chunk.note())
+                    counts += chunk.note()["tally"]["status"]
+                    done += 1
         record = folders.read_record(self.folder) if self.folder else {}
         lacking = {
-            "chunks": len(notes) < due,
+            "chunks": done < due,
             "figures": record.get("formats") and "finished" not in record,
             "summary": self.folder and not (self.folder / "summary.json").is_file(),
         }
         return Progressed(
             str(self.parts[0].identity["options"]["scene"]),
             due,
-            len(notes),
-            sum(sum(note["tally"]["status"].values()) for note in notes),
-            dict(sum((note["tally"]["status"] for note in notes), ByName[int]())),
+            done,
+            sum(counts.values()),
+            dict(counts),
             record.get("finished"),
             record.get("seconds_for_chunks"),
             tuple(name for name, is_so in lacking.items() if is_so),

@@ -118,6 +118,10 @@ def asked(name: Any, given: Mapping[str, Any], command: str | None = None) -> tu
             f"scene {kind.__name__}: {min(taken)} is the name of a setting of runs; give your option another name"
         )
     scene = kind.of(said)
+    if scene.chunks > MOST_CHUNKS:
+        size = 1 << (scene.options.get("samples", 0) // MOST_CHUNKS).bit_length()
+        remedy = f"chunk_size {size} or more" if hasattr(scene, "chunk_size") else "fewer samples"
+        raise InputError(f"samples: make {scene.chunks:,} chunks, at most {MOST_CHUNKS:,} are held; give {remedy}")
     if settings.out is None and (command is not None or samples_of(scene) > MOST_IN_MEMORY):
         settings = replace(settings, out=Path(f"results/{scene.name}-{scene.label}-{scene.seed}"))
     return scene, replace(settings, command=command)
