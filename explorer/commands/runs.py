@@ -21,9 +21,7 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
         command.add_argument("folder", metavar="DIR", type=Path, nargs="+", help=text)
     else:
         command.add_argument("folder", metavar="DIR", type=Path, help="folder of a run")
-    if not command.prog.endswith(" status"):
-        text = "allow that the file of a scene of your own, which run.json names, is run"
-        command.add_argument("--trust", action="store_true", help=text)
+    command.add_argument("--trust", action="store_true", help="run the file of an own scene that run.json names")
     if command.prog.endswith(" resume"):
         Making.add_to(command)
 

@@ -23,7 +23,7 @@ from explorer import compiled
 from explorer.errors import InputError, shown, whole, words
 from explorer.paths import made_folder, path_of
 from explorer.runs import store
-from explorer.runs.machine import arithmetic, machine
+from explorer.runs.machine import machine
 from explorer.runs.settings import MOST_CHUNKS, read_formats
 from explorer.scenes.options import plain
 from explorer.scenes.scene import NAMES, Scene, file_of, is_known, known_scene, scene_class, scene_of
@@ -249,12 +249,11 @@ def write_record(folder: Path, scene: Scene, how: dict[str, Any]) -> None:
     store.write_json(folder / "run.json", content | about)
 
 
-def processors(record: dict[str, Any], say: Callable[[str], None]) -> list[str]:
-    """The kinds of processors that have computed a run, this one too; where they differ it is told."""
-    kinds = dict.fromkeys([*record.get("arithmetic", ()), arithmetic()])
+def processors(kinds: list[str], say: Callable[[str], None]) -> list[str]:
+    """The kinds of processors that have computed a run; where they differ it is told."""
     if len(kinds) > 1:
         say(f"last digits, and so the digest, depend on the kind of processor; of this run: {'; '.join(kinds)}")
-    return list(kinds)
+    return kinds
 
 
 def now() -> str:

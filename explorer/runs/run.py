@@ -144,13 +144,14 @@ class Run:
         raise RunError(f"{self.folder}: {fault}; continue with: nearflat resume {self.folder}")
 
     @cached_property
-    def _total(self) -> tuple[Any, dict[str, Any]]:
-        """All that was counted, for pictures, and the numbers."""
-        total, digests = self.scene.tally(), list[str]()
+    def _total(self) -> tuple[Any, dict[str, Any], set[str]]:
+        """All that was counted, for pictures, the numbers, and the kinds of processors that computed them."""
+        total, digests, kinds = self.scene.tally(), list[str](), set[str]()
         for part in self.parts:
             for said in map(store.Chunk.note, part.complete()):
                 total += self.scene.tally.of_state(said["tally"])
                 digests.append(said["digest"])
+                kinds |= {said["arithmetic"]} if "arithmetic" in said else set()
         if (count := sum(total.status.values())) != (due := sum(samples_of(part.scene) for part in self.parts)):
             raise RunError(f"{self.folder}: run.json says {due:,} samples, and its chunks have {count:,}")
         numbers = {**self.options, **plain(self.scene.summarise(total))}
@@ -158,7 +159,7 @@ class Run:
         numbers["digest"] = store.digest_of_all(digests)
         if self._parts:
             numbers["seed"] = [part.scene.seed for part in self._parts]
-        return total, numbers
+        return total, numbers, kinds
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -212,7 +213,7 @@ class Run:
         return list(self._pictures())
 
     def _pictures(self) -> dict[str, Picture]:
-        total, summary = self._total
+        total, summary, _ = self._total
         return dict(self.scene.figures(summary, total))
 
     def figure(self, name: str, ax: "Axes | None" = None, **options: Any) -> "Figure":
@@ -435,7 +436,7 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
         "jobs": settings.jobs,
         "backend": settings.backend,
         "formats": (settings.format or known["formats"] or FORMATS) if settings.figures else [],
-        "arithmetic": folders.processors(record, say) if missing else known["arithmetic"],
+        "arithmetic": known["arithmetic"],
         "pictures": known["pictures"],
     }
     folders.write_record(folder, scene, how)
@@ -453,6 +454,7 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
         if summary.is_file() and summary.read_bytes() != found:
             folders.remove_pictures(folder, known["pictures"])  # of fewer samples
         store.write_json(summary, run.summary)
+        how["arithmetic"] = folders.processors(sorted({*known["arithmetic"], *run._total[2]}), say)
         if how["formats"]:
             drawn = [f"{name}.{kind}" for name in run.pictures for kind in how["formats"]]
             how["pictures"] = sorted({*known["pictures"], *drawn})

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from explorer.errors import RunError, shorten
 from explorer.phase.results import status_codes, to_arrow
+from explorer.runs.machine import arithmetic
 from explorer.scenes.scene import Scene, Table
 
 NAME = r"chunk-[0-9]{6}-[0-9a-f]{16}\.parquet"
@@ -54,7 +55,10 @@ class Chunk(NamedTuple):
         return self.content if isinstance(self.content, bytes) else self.content.read_bytes()
 
     def note(self) -> dict[str, Any]:
-        """What its footer says: index, identity, drawn, digest of rows and counts, tally. Raises RunError."""
+        """What its footer says: index, identity, drawn, digest of rows and counts, tally, arithmetic of its maker.
+
+        Raises RunError where it cannot be read, or belongs elsewhere.
+        """
         with self._opened() as (_, note):
             return note
 
@@ -137,7 +141,7 @@ def make_chunk(scene: Scene, index: int, identity: str, folder: Path | None) -> 
     arrow = as_arrow(scene, table)
     read = {name: _values(arrow.column(name)) for name in table if table[name].dtype.kind not in "fiub"}
     note = {"index": index, "identity": identity, "drawn": scene.drawn(index), "tally": tally.state()}
-    note["digest"] = digest_of({**table, **read}, note["tally"])
+    note["digest"], note["arithmetic"] = digest_of({**table, **read}, note["tally"]), arithmetic()
     text = json.dumps(note, allow_nan=False).encode()
     stream = pa.BufferOutputStream()
     _write_parquet(arrow, stream, {_NOTE: text, _CHECK: sha256(text).encode()})
