@@ -25,6 +25,8 @@ from explorer.errors import (
     Interrupted,
     RunError,
     nearest,
+    note,
+    printable,
     shorten,
     suggest,
 )
@@ -153,7 +155,6 @@ def _outer_parser() -> Parser:
     installed = installed_version() or "(not installed)"
     parser.add_argument("--version", action="version", version=f"nearflat {installed}")
     parser.add_argument("command", metavar="COMMAND", nargs="?", help=argparse.SUPPRESS)
-    parser.add_argument("words", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
     return parser
 
 
@@ -172,17 +173,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with warnings.catch_warnings():
             outer = _outer_parser()
-            asked = outer.parse_args(words)
+            after = next((n for n, word in enumerate(words, 1) if not word.startswith("-")), len(words))
+            asked, rest = outer.parse_args(words[:after]), words[after:]
             if asked.command is None:
                 outer.print_help()
                 return 2
             _require_known(asked.command)
             name = f"nearflat {asked.command}"
-            warnings.showwarning = lambda message, *_place: print(f"{name}: {message}", file=sys.stderr)
-            options = parser_of(asked.command, asked.words).parse_args(asked.words)
+            warnings.showwarning = lambda message, *_place: note(f"{name}: {message}", quiet=False)
+            options = parser_of(asked.command, rest).parse_args(rest)
             options.command_line = shlex.join(["nearflat", *words])
             found = options.call(options)
-            print(json.dumps(found.record) if options.json else found.text, flush=True)
+            print(json.dumps(found.record) if options.json else printable(found.text), flush=True)
         return int(found.status)
     except BrokenPipeError:  # whoever read what was printed has gone, and Python must not complain at its end
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -207,7 +209,7 @@ def _require_known(name: str) -> None:
 
 def _complain(name: str, error: object, status: int) -> int:
     with contextlib.suppress(OSError):  # the terminal may be closed
-        print(f"{name}: {error}", file=sys.stderr)
+        note(f"{name}: {error}", quiet=False)
     return status
 
 

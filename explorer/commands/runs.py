@@ -8,6 +8,7 @@ from pathlib import Path
 from explorer.commands import Answer
 from explorer.commands.run import shown
 from explorer.errors import note
+from explorer.paths import command_line
 from explorer.runs.merge import merge
 from explorer.runs.run import open
 from explorer.runs.settings import Making
@@ -37,7 +38,7 @@ def _status(options: argparse.Namespace) -> Answer:
     lines = [f"{far.scene}: {far.chunks_done} of {far.chunks} chunks, {far.samples_done:,} samples"]
     lines += [f"  {name}: {count:,}" for name, count in far.status.items()]
     if far.missing:
-        lines += [f"missing: {', '.join(far.missing)}; continue with: nearflat resume {options.folder}"]
+        lines += [f"missing: {', '.join(far.missing)}; continue with: {command_line('resume', options.folder)}"]
     elif far.finished:
         lines += [f"finished {far.finished}"]
     return Answer(asdict(far), "\n".join(lines))
@@ -48,7 +49,7 @@ def _verify(options: argparse.Namespace) -> Answer:
     faults = run.verify()
     lines = faults or ["intact"]
     if faults and not run.changed():  # what was changed says itself what can be done
-        lines = [*faults, f"to repair this: nearflat resume {options.folder}"]
+        lines = [*faults, f"to repair this: {command_line('resume', options.folder)}"]
     return Answer({"intact": not faults, "faults": faults}, "\n".join(lines), int(bool(faults)))
 
 

@@ -130,12 +130,9 @@ def stored_scene(folder: Path | None, record: dict[str, Any], trust: bool) -> Sc
 def changed(record: dict[str, Any]) -> list[str]:
     """What computed a run and is other now, in sentences."""
     file = (record["from"] or "").rpartition(":")[0]
-    try:
+    code = None
+    with contextlib.suppress(InputError):  # a user's, from a script or a notebook, is known only there
         code = _code_in(file) if Path(file).is_file() else _code_of(known_scene(record["options"]["scene"]))
-    except InputError:  # a user's, from a script or a notebook, is known only there
-        if record["code"] is None:
-            raise
-        code = None
     now = {"kernels": compiled.source_digest(), "code": code or record["code"]}  # a file that is gone says nothing
     return [_remedy(what, record) for what in MADE_BY if now[what] != record[what]]
 
@@ -247,13 +244,6 @@ def write_record(folder: Path, scene: Scene, how: dict[str, Any]) -> None:
     content = {"format": FORMAT, **identity(scene), "from": file_of(type(scene)), "chunks": scene.chunks, **how}
     about = {"check": _check(content), "versions": versions, "machine": machine()}
     store.write_json(folder / "run.json", content | about)
-
-
-def processors(kinds: list[str], say: Callable[[str], None]) -> list[str]:
-    """The kinds of processors that have computed a run; where they differ it is told."""
-    if len(kinds) > 1:
-        say(f"last digits, and so the digest, depend on the kind of processor; of this run: {'; '.join(kinds)}")
-    return kinds
 
 
 def now() -> str:

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from explorer import compiled
-from explorer.errors import InputError, Interrupted, RunError, flag, note, one_of, shorten, words
+from explorer.errors import InputError, Interrupted, RunError, flag, note, one_of, printable, shorten, words
 from explorer.measure.tallies import ByName
-from explorer.paths import path_of
+from explorer.paths import command_line, on_disk, path_of
 from explorer.runs import folder as folders
 from explorer.runs import store
 from explorer.runs.estimate import require_room
@@ -138,10 +138,8 @@ class Run:
         if [chunk.number for chunk in chunks] == list(due):
             return chunks
         missing = len({*due} - {chunk.number for chunk in chunks})
-        fault = (
-            f"{missing} of {len(due)} chunks are missing" if missing else "there are chunks that are not its own"
-        )
-        raise RunError(f"{self.folder}: {fault}; continue with: nearflat resume {self.folder}")
+        fault = f"{missing} of {len(due)} chunks are missing" if missing else "some chunks are not its own"
+        raise RunError(f"{self.folder}: {fault}; continue with: {command_line('resume', self.folder)}")
 
     @cached_property
     def _total(self) -> tuple[Any, dict[str, Any], set[str]]:
@@ -152,11 +150,9 @@ class Run:
                 total += self.scene.tally.of_state(said["tally"])
                 digests.append(said["digest"])
                 kinds |= {said["arithmetic"]} if "arithmetic" in said else set()
-        if (count := sum(total.status.values())) != (due := sum(samples_of(part.scene) for part in self.parts)):
-            raise RunError(f"{self.folder}: run.json says {due:,} samples, and its chunks have {count:,}")
         numbers = {**self.options, **plain(self.scene.summarise(total))}
         store.as_json(numbers)  # fails here where it is no JSON
-        numbers["digest"] = store.digest_of_all(digests)
+        numbers["digest"] = store.sha256("".join(digests))
         if self._parts:
             numbers["seed"] = [part.scene.seed for part in self._parts]
         return total, numbers, kinds
@@ -359,7 +355,7 @@ class Run:
         return [f"Run of {name}, {f'{len(self._parts)} merged' if self._parts else where}", *others]
 
     def __repr__(self) -> str:
-        return "\n  ".join(self._lines())
+        return printable("\n  ".join(self._lines()))
 
     def _repr_html_(self) -> str:
         first, *others = map(html.escape, self._lines())
@@ -410,7 +406,7 @@ def execute(scene: Scene, settings: Settings) -> Run:
     which says how to continue.
     """
     if settings.out is not None:
-        with folders.opened(settings.out, scene, settings.exist) as (begun, record):
+        with on_disk(settings.out), folders.opened(settings.out, scene, settings.exist) as (begun, record):
             return _fill(begun, settings, settings.out, record)
     compiled.warmup(scene.kernels, lambda text: note(text, not settings.progress))
     with stopping(settings.onward) as stop:
@@ -436,8 +432,7 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
         "jobs": settings.jobs,
         "backend": settings.backend,
         "formats": (settings.format or known["formats"] or FORMATS) if settings.figures else [],
-        "arithmetic": known["arithmetic"],
-        "pictures": known["pictures"],
+        **{name: known[name] for name in ("arithmetic", "pictures")},
     }
     folders.write_record(folder, scene, how)
     compiled.warmup(scene.kernels, say)  # takes long; what is stopped now can be resumed
@@ -454,7 +449,9 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
         if summary.is_file() and summary.read_bytes() != found:
             folders.remove_pictures(folder, known["pictures"])  # of fewer samples
         store.write_json(summary, run.summary)
-        how["arithmetic"] = folders.processors(sorted({*known["arithmetic"], *run._total[2]}), say)
+        how["arithmetic"] = kinds = sorted({*known["arithmetic"], *run._total[2]})
+        if len(kinds) > 1:
+            say(f"last digits, and the digest, depend on the kind of processor; of this run: {'; '.join(kinds)}")
         if how["formats"]:
             drawn = [f"{name}.{kind}" for name in run.pictures for kind in how["formats"]]
             how["pictures"] = sorted({*known["pictures"], *drawn})

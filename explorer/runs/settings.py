@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from explorer.errors import InputError, one_of, whole, words
+from explorer.paths import command_line
 from explorer.scenes.options import FOLDER, TEXT, TRUTH, Options, Reader, option, options_of, word_of, workers
 from explorer.scenes.scene import Scene, scene_class
 
@@ -93,9 +94,9 @@ class Settings(Making):
         """How to go on with a run that was stopped."""
         if self.out is None:
             return "nothing is kept unless out names a folder"
-        by = " --backend dask" if self.backend == "dask" else ""
-        to = f" --scheduler {self.scheduler}" if self.scheduler else ""
-        return f"continue with: nearflat resume {self.out}{by}{to}"
+        by = ["--backend", "dask"] if self.backend == "dask" else []
+        to = ["--scheduler", self.scheduler] if self.scheduler else []
+        return f"continue with: {command_line('resume', self.out, *by, *to)}"
 
 
 def asked(name: Any, given: Mapping[str, Any], command: str | None = None) -> tuple[Scene, Settings]:

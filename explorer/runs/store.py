@@ -89,10 +89,8 @@ class Chunk(NamedTuple):
                     raise ValueError(f"it is chunk {note['index']} under another name")
                 yield file, note
         except _DAMAGE as error:
-            where = self.name if isinstance(self.content, bytes) else self.content
-            raise RunError(
-                f"{where}: cannot be read or is damaged ({in_one_line(error)}); resume the run"
-            ) from error
+            where, fault = self.name if isinstance(self.content, bytes) else self.content, in_one_line(error)
+            raise RunError(f"{where}: cannot be read or is damaged ({fault}); resume the run") from error
 
     def fault(self) -> str:
         """What is wrong with it as a chunk of this run, by all of its bytes and rows; empty where all is well."""
@@ -210,11 +208,6 @@ def digest_of(table: Table, tally: dict[str, Any]) -> str:
         else:  # words and times of a user, which an array only points at
             digest.update(repr(values.tolist()).encode())
     return digest.hexdigest()
-
-
-def digest_of_all(digests: Sequence[str]) -> str:
-    """Digest of a run from those of its chunks, in order."""
-    return sha256("".join(digests))
 
 
 def sha256(content: str | bytes) -> str:

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 Columns = dict[str, NDArray[Any]]
-Stamp = tuple[Path, int, int, int]
 
 _PARQUET, _GZIP = b"PAR1", b"\x1f\x8b"  # how such files begin
 _HEAD = 1 << 16  # characters of a CSV file that show how it is written
@@ -89,7 +88,7 @@ class GivenStates:
     states: States | None = None
     degrees: bool = False
     groups: tuple[tuple[Path, int, int], ...] = ()
-    stamps: tuple[Stamp, ...] = ()
+    stamps: tuple[Any, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.rows:
@@ -137,7 +136,7 @@ class GivenStates:
         return cls(what, table.num_rows, digest.hexdigest(), path, chart, columns)
 
     @classmethod
-    def _of_parquet(cls, what: str, path: Path, stamps: tuple[Stamp, ...], digest: str) -> "GivenStates":
+    def _of_parquet(cls, what: str, path: Path, stamps: tuple[Any, ...], digest: str) -> "GivenStates":
         """From Parquet files, which are read piece by piece."""
         import pyarrow.parquet as pq
 
@@ -258,7 +257,7 @@ def coordinates_of(states: States) -> Columns:
     return {name: np.where(good, getattr(states, name), np.nan) for name in COORDINATES}
 
 
-def _stamps(path: Path) -> tuple[Stamp, ...]:
+def _stamps(path: Path) -> tuple[tuple[Path, int, int, int], ...]:
     """The files at a path, and what tells that one was changed or replaced: its size, time and number."""
     files = (path.is_dir() and sorted(path.glob("*.parquet"))) or [path]  # a folder without any cannot be read
     return tuple((file, (at := file.stat()).st_size, at.st_mtime_ns, at.st_ino) for file in files)

@@ -1,6 +1,7 @@
 """A folder that somebody sent: what it may do to who looks at it."""
 
 import json
+import shlex
 import shutil
 import sys
 from pathlib import Path
@@ -96,3 +97,43 @@ def test_a_run_of_our_scenes_runs_no_file_whatever_its_record_says(relative, tmp
         for command in ("status", "verify", "summary", "resume"):
             assert said(capsys, command, "edited")[0] in ((0,) if "from" in changes else (0, 2))
         shutil.rmtree("edited")
+
+
+def test_what_a_folder_says_moves_no_cursor_of_a_terminal(tmp_path, capsys):
+    run = ex.run("race-angles", samples=100, out=tmp_path / "run", figures=False)
+    rewritten(run.folder, finished="\x1b[2J\u202egone")
+    status, out, _ = said(capsys, "status", run.folder)
+    assert status == 0
+    assert "\\x1b[2J\\u202egone" in out
+    (tmp_path / "\x1b[31mnone").mkdir()
+    status, _, err = said(capsys, "status", tmp_path / "\x1b[31mnone")
+    assert (status, "\x1b" in err) == (2, False)
+
+
+def test_a_page_takes_names_and_commands_as_text(tmp_path):
+    folder = tmp_path / 'x" onerror="alert(1)'
+    folder.mkdir()
+    (folder / 'y" onerror="alert(2).png').touch()
+    run = ex.run("race-angles", samples=100, out=folder / "run", figures=False)
+    shutil.copy(run.folder / "run.json", folder)
+    rewritten(folder, command="`</code><script>alert(3)</script> | [a](javascript:alert(4))\n# b")
+    page = gallery(tmp_path)
+    assert 'onerror="' not in page
+    assert "<script>" not in page
+    assert "[a]" not in page
+    assert "\n# b" not in page
+
+
+@pytest.mark.parametrize("name", ["with space", "$HOME`id`", "-dash", "quote's"])
+def test_the_command_that_continues_can_be_pasted(name, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run = ex.run("race-angles", samples=100, out=name, figures=False)
+    run.chunks[0].content.unlink()
+    told = [said(capsys, "status", "--", name)[1]]
+    with pytest.raises(ex.RunError) as refused:
+        run.frame()
+    for text in (*told, str(refused.value)):
+        onward = text.strip().rpartition("continue with: nearflat ")[2]
+        assert said(capsys, *shlex.split(onward), "--no-figures")[0] == 0
+        assert run.status.chunks_done == 1
+        run.chunks[0].content.unlink()

@@ -200,3 +200,71 @@ def test_what_else_stands_among_the_chunks_is_the_user_s_and_stays(finished):
     ex.run(Coins, out=finished.folder, exist="replace", samples=10, figures=False)
     assert (there / "mine.parquet").read_text() == "mine"
     assert not (finished.folder / "bad").exists()
+
+
+def flipped(random, content):
+    content = bytearray(content)
+    content[random.integers(len(content))] ^= 1 << random.integers(8)
+    return bytes(content)
+
+
+def zeroed(random, content):
+    first = random.integers(4, len(content) - 8)
+    return content[:first] + b"\xff" + bytes(6) + content[first + 7 :]
+
+
+DAMAGES = {
+    "flipped": flipped,
+    "zeroed": zeroed,
+    "cut": lambda random, content: content[: random.integers(len(content))],
+    "longer": lambda random, content: content + random.bytes(1 + random.integers(99)),
+    "named by its bytes": flipped,
+    "of another number": None,
+    "of another run": None,
+    "gone": None,
+}
+
+
+def damaged(kind, random, path, content, neighbour, theirs):
+    """Damage a chunk that has this content; returns the name that it then has."""
+    path.unlink()
+    if kind == "of another run":
+        return Path(shutil.copy(theirs, path.parent)).name
+    if kind == "of another number":
+        path.write_bytes(neighbour)
+    elif DAMAGES[kind]:
+        if kind != "named by its bytes":
+            path.write_bytes(DAMAGES[kind](random, content))
+        else:
+            content = DAMAGES[kind](random, content)
+            path = path.with_name(f"{path.name[:13]}{store.sha256(content)[:16]}.parquet")
+            path.write_bytes(content)
+    return path.name
+
+
+def test_each_of_450_damaged_chunks_is_found_and_repaired(finished, tmp_path):
+    random, digest, kinds = np.random.default_rng(54), finished.summary["digest"], [*DAMAGES]
+    good, rows = [(chunk.content, chunk.data()) for chunk in finished.chunks], finished.arrow()
+    other = ex.run(Coins, **{**SMALL, "seed": 6}, out=tmp_path / "other", figures=False)
+    foreign = [chunk.content for chunk in other.chunks]
+    for turn in range(90):
+        done = []
+        for number, (path, content) in enumerate(good):
+            kind = kinds[random.integers(len(kinds))]
+            about = (path, content, good[number - 1][1], foreign[number])
+            done.append((kind, damaged(kind, random, *about)))
+        faults = "\n".join(finished.verify())
+        left = {chunk.name: chunk for chunk in finished.chunks}
+        for kind, name in done:
+            # A bit that no reader looks at changes no number.
+            harmless = kind == "named by its bytes" and left[name].fault() == ""
+            assert kind == "gone" or harmless or f"{name}: " in faults, (turn, kind)
+        gone = [str(number) for number, (kind, _) in enumerate(done) if kind == "gone"]
+        assert f"chunks are missing: {', '.join(gone)}" in faults or not gone, turn
+        assert finished.resume(progress=False).summary["digest"] == digest
+        assert finished.verify() == []
+        assert finished.arrow().equals(rows)
+        for chunk in finished.chunks:
+            chunk.content.unlink()
+        for path, content in good:
+            path.write_bytes(content)
