@@ -84,8 +84,8 @@ def on_disk(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        where, fault = error.filename or path, error.strerror or error
-        raise RunError(f"{where}: cannot be written ({fault}); make room; what is finished is kept") from error
+        at, fault = (path.is_dir() and error.filename) or path, error.strerror or error
+        raise RunError(f"{at}: cannot be written ({fault}); what is finished is kept; resume the run") from error
 
 
 @contextmanager

@@ -170,11 +170,10 @@ class Run:
     @property
     def status(self) -> Progressed:
         """How far the run is: chunks and samples done, counts of each status, what is missing."""
-        due, done, counts = sum(part._due for part in self.parts), 0, ByName[int]()
+        due, done, counts = 0, 0, ByName[int]()
         for part in self.parts:
-            own = range(part._due)
-            there = {chunk.number: chunk for chunk in part.chunks if chunk.number in own}
-            for chunk in there.values():
+            due += (own := part._due)
+            for chunk in {chunk.number: chunk for chunk in part.chunks if chunk.number < own}.values():
                 with contextlib.suppress(RunError):  # `verify` says what is wrong with it
                     counts += chunk.note()["tally"]["status"]
                     done += 1
@@ -297,8 +296,7 @@ class Run:
         faults = [f"run.json: {each}" for each in self.changed()]
         missing = sorted({*range(due)} - {chunk.number for chunk in chunks})
         named = shorten(", ".join(map(str, missing)), 60)
-        if missing:
-            faults.append(f"{len(missing):,} of {due:,} chunks are missing: {named}")
+        faults += [f"{len(missing):,} of {due:,} chunks are missing: {named}"] if missing else []
         looked_at = store.examined(chunks, due)
         faults += [f"{chunk.name}: {fault}" for chunk, fault in looked_at if fault]
         summary = self.folder and self.folder / "summary.json"

@@ -24,6 +24,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from explorer.errors import RunError, shorten
+from explorer.paths import on_disk
 from explorer.phase.results import status_codes, to_arrow
 from explorer.runs.machine import arithmetic
 from explorer.scenes.scene import Scene, Table
@@ -136,7 +137,9 @@ Done = tuple[Chunk, dict[str, int]]  # a chunk, and in which status its samples 
 def make_chunk(scene: Scene, index: int, identity: str, folder: Path | None) -> Done:
     """Compute a chunk, and write it where there is a folder; and in which status its samples ended."""
     table, tally = scene.chunk(index)
-    arrow = as_arrow(scene, table)
+    arrow, own = to_arrow(table), scene.columns if isinstance(scene.columns, dict) else {}
+    fields = [field.with_metadata(own[field.name].texts) if field.name in own else field for field in arrow.schema]
+    arrow = arrow.cast(pa.schema(fields)) if own else arrow
     read = {name: _values(arrow.column(name)) for name in table if table[name].dtype.kind not in "fiub"}
     note = {"index": index, "identity": identity, "drawn": scene.drawn(index), "tally": tally.state()}
     note["digest"], note["arithmetic"] = digest_of({**table, **read}, note["tally"]), arithmetic()
@@ -148,14 +151,6 @@ def make_chunk(scene: Scene, index: int, identity: str, folder: Path | None) -> 
     if folder is not None:
         chunk = chunk._replace(content=commit(folder / "chunks" / chunk.name, content))
     return chunk, dict(tally.status)
-
-
-def as_arrow(scene: Scene, table: Table) -> pa.Table:
-    """Rows as they are stored: with units and meanings, status by name."""
-    arrow = to_arrow(table)
-    own = scene.columns if isinstance(scene.columns, dict) else {}
-    fields = [field.with_metadata(own[field.name].texts) if field.name in own else field for field in arrow.schema]
-    return arrow.cast(pa.schema(fields)) if own else arrow
 
 
 def _write_parquet(table: pa.Table, stream: Any, metadata: dict[bytes, bytes]) -> None:
@@ -222,7 +217,8 @@ def in_one_line(error: BaseException) -> str:
 def commit(path: Path, content: bytes) -> Path:
     """Write a file so that its name exists only if its content is complete and on disk. Raises RunError."""
     begun = path.with_name(f".{path.name}.{os.getpid()}.tmp")  # readers of the folder skip the dot
-    try:
+    with on_disk(path), contextlib.ExitStack() as after:
+        after.callback(begun.unlink, missing_ok=True)
         with begun.open("wb") as stream:
             stream.write(content)
             stream.flush()
@@ -232,11 +228,6 @@ def commit(path: Path, content: bytes) -> Path:
             handle = os.open(path.parent, os.O_RDONLY)
             os.fsync(handle)
             os.close(handle)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            begun.unlink(missing_ok=True)
-        fault = error.strerror or error
-        raise RunError(f"{path}: cannot be written ({fault}); what is finished is kept; resume the run") from error
     return path
 
 
