@@ -99,8 +99,8 @@ class Chunk(NamedTuple):
             content = self.data()
             if not self.name.endswith(f"-{sha256(content)[:16]}.parquet"):
                 return "its bytes are not those that were written"
-            with self._replace(content=content)._opened() as (file, note):
-                table = table_of(file.read())
+            inside = self._replace(content=content)
+            note, table = inside.note(), table_of(inside.arrow())
             if digest_of(table, note["tally"]) != note["digest"]:
                 return "its rows and counts have another digest than it says"
         except (RunError, *_DAMAGE) as error:
