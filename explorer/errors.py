@@ -86,7 +86,12 @@ class Interrupted(RunError):
 def note(text: str, quiet: bool) -> None:
     """Print a line on stderr, unless the user asked for quiet."""
     if not quiet:
-        print(text, file=sys.stderr, flush=True)
+        print(printable(text), file=sys.stderr, flush=True)
+
+
+def printable(text: str) -> str:
+    """The text with characters escaped that would move a terminal's cursor or turn the direction of writing."""
+    return "".join(c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text)
 
 
 def warn(message: str, kind: type[Warning] = UserWarning) -> None:

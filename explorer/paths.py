@@ -3,13 +3,14 @@
 import errno
 import os
 import re
+import shlex
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from explorer.errors import InputError, said, shown
+from explorer.errors import InputError, RunError, said, shown
 
 # How pages of nearflat begin, in Markdown and in HTML
 _MADE = re.compile(rb"(# .*\s+Made by `|<!doctype html>[^{]*<meta name=.generator. content=.)nearflat")
@@ -37,7 +38,7 @@ def read_toml(path: Path, option: str) -> dict[str, Any]:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(f"{option} {path}: cannot be read ({error.strerror}); check the path") from None
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{option} {path}: not valid TOML ({error}); correct the file") from None
 
 
@@ -70,6 +71,21 @@ def own_folder(name: str, folder: Path) -> Path:
     if not page.exists():  # so that a command that is stopped may be given again
         page.write_text("# Not finished\n\nMade by `nearflat`.\n", encoding="utf-8")
     return folder
+
+
+def command_line(name: str, folder: Path | None, *more: str) -> str:
+    """A command about a folder, as it can be typed or pasted."""
+    return shlex.join(["nearflat", name, f"./{folder}" if str(folder)[0] == "-" else str(folder), *more])
+
+
+@contextmanager
+def on_disk(path: Path) -> Iterator[None]:
+    """Say of a file, or of what is in a folder, that the system does not take it. Raises RunError."""
+    try:
+        yield
+    except OSError as error:
+        at, fault = (path.is_dir() and error.filename) or path, error.strerror or error
+        raise RunError(f"{at}: cannot be written ({fault}); what is finished is kept; resume the run") from error
 
 
 @contextmanager

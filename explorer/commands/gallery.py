@@ -5,10 +5,10 @@ A folder's own page says "Made by `COMMAND`"; a run says it in run.json.
 
 import argparse
 import contextlib
-import html
 import re
 from collections.abc import Sequence
 from pathlib import Path
+from urllib.parse import quote
 
 from explorer.commands import Answer
 from explorer.errors import InputError, RunError
@@ -25,7 +25,7 @@ def gallery(folder: Path | str) -> str:
 
     Raises InputError where `folder` is none.
     """
-    from explorer.commands.pages import caption_in, image_of, text_of
+    from explorer.commands.pages import caption_in, escaped, image_of, text_of
     from explorer.pictures.register import Question
 
     root = path_of("DIR", folder)
@@ -38,7 +38,7 @@ def gallery(folder: Path | str) -> str:
             if picture.suffix == ".png" and picture.with_suffix(".webp").exists():
                 continue  # the same that moves is shown
             caption = caption_in(picture)
-            made_by = f"<code>{html.escape(command_of(part), quote=False)}</code>"
+            made_by = f"<code>{escaped(command_of(part))}</code>"
             cell = [image_of(picture, root, caption, 420), text_of(picture, caption), made_by]
             shown[str(caption.question) if caption else _OTHER].append((picture, "<br>\n".join(cell)))
     lines = [
@@ -56,7 +56,9 @@ def gallery(folder: Path | str) -> str:
             lines += ["<tr>", *(f'<td width="50%" valign="top">\n{cell}\n</td>' for _, cell in row), "</tr>"]
         lines += ["</table>"] if rows else []
     lines += ["", "## All folders", "", "| folder | command |", "|---|---|"]
-    lines += [f"| [`{path.name}/`]({path.name}) | `{command_of(path)}` |" for path in parts]
+    for part in parts:
+        link = f'<a href="{quote(part.name)}"><code>{escaped(part.name)}/</code></a>'
+        lines.append(f"| {link} | <code>{escaped(command_of(part))}</code> |")
     return "\n".join(lines) + "\n"
 
 

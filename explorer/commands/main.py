@@ -25,6 +25,8 @@ from explorer.errors import (
     Interrupted,
     RunError,
     nearest,
+    note,
+    printable,
     shorten,
     suggest,
 )
@@ -153,7 +155,6 @@ def _outer_parser() -> Parser:
     installed = installed_version() or "(not installed)"
     parser.add_argument("--version", action="version", version=f"nearflat {installed}")
     parser.add_argument("command", metavar="COMMAND", nargs="?", help=argparse.SUPPRESS)
-    parser.add_argument("words", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
     return parser
 
 
@@ -172,14 +173,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with warnings.catch_warnings():
             outer = _outer_parser()
-            asked = outer.parse_args(words)
+            after = next((n for n, word in enumerate(words, 1) if not word.startswith("-")), len(words))
+            asked, rest = outer.parse_args(words[:after]), words[after:]
             if asked.command is None:
                 outer.print_help()
                 return 2
             _require_known(asked.command)
             name = f"nearflat {asked.command}"
-            warnings.showwarning = lambda message, *_place: print(f"{name}: {message}", file=sys.stderr)
-            options = parser_of(asked.command, asked.words).parse_args(asked.words)
+            warnings.showwarning = lambda message, *_place: note(f"{name}: {message}", quiet=False)
+            options = parser_of(asked.command, rest).parse_args(rest)
             options.command_line = shlex.join(["nearflat", *words])
             found = options.call(options)
             _conclude(json.dumps(found.record) if options.json else found.text, sys.stdout, arguments is None)
@@ -215,7 +217,7 @@ def _conclude(text: str, stream: TextIO, alone: bool) -> None:
     """
     for number in (signal.SIGINT, signal.SIGTERM) if alone else ():
         signal.signal(number, signal.SIG_IGN)
-    print(text, file=stream, flush=True)
+    print(printable(text), file=stream, flush=True)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,10 @@
 """The README.md that a command leaves in a folder of pictures; their captions are in the files."""
 
 import html
+import re
 from collections.abc import Iterable
 from pathlib import Path
+from urllib.parse import quote
 
 from PIL import Image, UnidentifiedImageError
 
@@ -33,7 +35,7 @@ def caption_in(path: Path) -> Caption | None:
 def picture_lines(picture: Path, root: Path) -> list[str]:
     """A picture with its caption for the page of `root`."""
     caption = caption_in(picture)
-    return [image_of(picture, root, caption, 600), "", caption.text if caption else text_of(picture, None)]
+    return [image_of(picture, root, caption, 600), "", text_of(picture, caption)]
 
 
 def write_page(folder: Path, title: str, made_by: str, parts: Iterable[tuple[str, list[str], list[Path]]]) -> None:
@@ -47,11 +49,16 @@ def write_page(folder: Path, title: str, made_by: str, parts: Iterable[tuple[str
 
 def image_of(picture: Path, root: Path, caption: Caption | None, width: int) -> str:
     """The HTML of a picture for the page of `root`, which leads to its full size."""
-    source, full = (each.relative_to(root).as_posix() for each in (picture, full_size(picture)))
+    source, full = (quote(each.relative_to(root).as_posix()) for each in (picture, full_size(picture)))
     return f'<a href="{full}"><img src="{source}" width="{width}" alt="{text_of(picture, caption)}"></a>'
 
 
 def text_of(picture: Path, caption: Caption | None) -> str:
     """What is said of a picture: its caption, or its own name with its folder's."""
     above = picture.parent.parent if picture.parent.name == "figures" else picture.parent
-    return html.escape(caption.text if caption else f"{above.name}, {picture.stem.replace('-', ' ')}")
+    return escaped(caption.text if caption else f"{above.name}, {picture.stem.replace('-', ' ')}")
+
+
+def escaped(text: str) -> str:
+    """Text for a page, of which nothing is read as HTML or Markdown."""
+    return re.sub(r"[`|\[\]\\*~\n\r]", lambda mark: f"&#{ord(mark[0])};", html.escape(text))

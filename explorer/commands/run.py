@@ -47,6 +47,8 @@ def given_by(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
     if name.endswith(".toml"):
         given = read_scene_file(Path(name))
         name = given.pop("scene")
+        if "exist" in given:
+            raise InputError(f"{options.scene}: exist is no option of a file; give --resume or --replace")
     kind = scene_class(name)
     said = kind.said(options) | Settings.said(options)
     for each in options_of(kind):

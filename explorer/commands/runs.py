@@ -8,6 +8,7 @@ from pathlib import Path
 from explorer.commands import Answer
 from explorer.commands.run import shown
 from explorer.errors import note
+from explorer.paths import command_line
 from explorer.runs.merge import merge
 from explorer.runs.run import open
 from explorer.runs.settings import Making
@@ -21,6 +22,7 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
         command.add_argument("folder", metavar="DIR", type=Path, nargs="+", help=text)
     else:
         command.add_argument("folder", metavar="DIR", type=Path, help="folder of a run")
+    command.add_argument("--trust", action="store_true", help="run the file of an own scene that run.json names")
     if command.prog.endswith(" resume"):
         Making.add_to(command)
 
@@ -36,27 +38,28 @@ def _status(options: argparse.Namespace) -> Answer:
     lines = [f"{far.scene}: {far.chunks_done} of {far.chunks} chunks, {far.samples_done:,} samples"]
     lines += [f"  {name}: {count:,}" for name, count in far.status.items()]
     if far.missing:
-        lines += [f"missing: {', '.join(far.missing)}; continue with: nearflat resume {options.folder}"]
+        lines += [f"missing: {', '.join(far.missing)}; continue with: {command_line('resume', options.folder)}"]
     elif far.finished:
         lines += [f"finished {far.finished}"]
     return Answer(asdict(far), "\n".join(lines))
 
 
 def _verify(options: argparse.Namespace) -> Answer:
-    run = open(options.folder)
+    run = open(options.folder, trust=options.trust)
     faults = run.verify()
     lines = faults or ["intact"]
     if faults and not run.changed():  # what was changed says itself what can be done
-        lines = [*faults, f"to repair this: nearflat resume {options.folder}"]
+        lines = [*faults, f"to repair this: {command_line('resume', options.folder)}"]
     return Answer({"intact": not faults, "faults": faults}, "\n".join(lines), int(bool(faults)))
 
 
 def _resume(options: argparse.Namespace) -> Answer:
-    return shown(open(options.folder).resume(**Making.said(options), progress=not options.quiet))
+    run = open(options.folder, trust=options.trust)
+    return shown(run.resume(**Making.said(options), progress=not options.quiet))
 
 
 def _summary(options: argparse.Namespace) -> Answer:
-    runs = [open(folder) for folder in options.folder]
+    runs = [open(folder, trust=options.trust) for folder in options.folder]
     run = runs[0] if len(runs) == 1 and options.command == "summary" else merge(*runs)
     if run.folder is not None:
         write_json(run.folder / "summary.json", run.summary)

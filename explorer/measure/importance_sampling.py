@@ -92,9 +92,11 @@ class NearFallingSet:
     def _flat(self, delta: float) -> Iterator[tuple[float, float]]:
         """The ranges of the tilt that lie beside flat, where its density is not zero there."""
         ends = (-0.5 * math.pi, 0.5 * math.pi) if self.source.tilt.name == "phi" else (0.0, math.pi)
-        beside = _NEAR_FLAT * delta
+        beside, tilt = _NEAR_FLAT * delta, self.source.tilt
         for end, inward in zip(ends, (beside, -beside), strict=True):
-            if self.source.tilt.free and self.source.tilt.density(end + inward * np.linspace(0.0, 1.0, 17)).any():
+            # Evenly spaced tilts alone would miss a narrow distribution.
+            looked_at = [end + inward * np.linspace(0.0, 1.0, 17), tilt.nodes[abs(tilt.nodes - end) <= beside]]
+            if tilt.free and tilt.density(np.concatenate(looked_at)).any():
                 yield end, inward
 
     def _near_flat(self, end: float, inward: float, random: Stream, count: int) -> Weighted:

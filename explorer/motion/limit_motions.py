@@ -253,6 +253,7 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     return LimitMotion(disk, rise, bar, face, side, face * p >= 0.0)
 
 
+@np.errstate(invalid="ignore")  # within 1e-160 of flat 0 times infinity is no number, and Rise refuses it
 def _on_f(states: States, sigma3_bar: float, face: int) -> ArcStarts:
     """The motion with eta = 0 through a state."""
     disk, (q, z, p, _, _) = states.disk, states.rows

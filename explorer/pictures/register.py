@@ -26,6 +26,7 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from explorer.errors import InputError, shown
+from explorer.paths import on_disk
 from explorer.phase.disk import require_axial_inertia
 from explorer.pictures.style import SIZE
 
@@ -190,9 +191,10 @@ def save(figure: Figure, path: Path, dpi: int = DPI) -> None:
     if caption is not None:
         metadata["Subject" if kind == ".pdf" else "Description"] = "\n".join(caption)
     figure.draw_without_rendering()  # what room tick labels need is known only then
-    figure.savefig(path, dpi=dpi, metadata=metadata)
-    if kind == ".png" and not figure.findobj(QuadMesh):  # maps would have steps
-        _use_palette(path)
+    with on_disk(path):
+        figure.savefig(path, dpi=dpi, metadata=metadata)
+        if kind == ".png" and not figure.findobj(QuadMesh):  # maps would have steps
+            _use_palette(path)
 
 
 def _use_palette(path: Path) -> None:

@@ -10,8 +10,8 @@ import json
 import linecache
 import os
 import platform
-import shutil
-from collections.abc import Callable, Iterator
+import re
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import cache
@@ -24,15 +24,14 @@ from explorer import compiled
 from explorer.errors import InputError, shown, warn, whole, words
 from explorer.paths import made_folder, path_of
 from explorer.runs import store
-from explorer.runs.machine import arithmetic, machine
-from explorer.runs.settings import read_formats
+from explorer.runs.machine import machine
+from explorer.runs.settings import MOST_CHUNKS, read_formats
 from explorer.scenes.options import plain
-from explorer.scenes.scene import Scene, file_of, scene_class, scene_of
+from explorer.scenes.scene import NAMES, Scene, file_of, is_known, known_scene, scene_class, scene_of
 from explorer.version import installed_version
 
 FORMAT = 3
 PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pandas", "pyarrow", "tqdm")
-_FOLDERS = ("chunks", "bad", "figures")  # which a run makes
 _STAY = ("chunk_size", "theta_min")  # which have other defaults in a longer run
 MADE_BY = ("kernels", "code")  # what decides the numbers beside the options
 
@@ -74,7 +73,7 @@ def digest_of_identity(known: dict[str, Any]) -> str:
 def read_record(folder: Path) -> dict[str, Any]:
     """What run.json says. Raises InputError."""
     path = path_of("DIR", folder) / "run.json"
-    if not path.exists():
+    if not path.is_file():
         why = "holds no run (there is no run.json)" if path.parent.exists() else "there is no such folder"
         raise InputError(f"{shown(str(folder))}: {why}")
     anew = "start the run anew in another folder"
@@ -82,11 +81,17 @@ def read_record(folder: Path) -> dict[str, Any]:
         record = dict(json.loads(path.read_bytes()))
         if record.get("format") == FORMAT:
             digest_of_identity(record)  # which looks at what others need
-            whole("chunks", record["chunks"])
+            record["chunks"] = whole("chunks", record["chunks"], 1, MOST_CHUNKS)
+            if record.get("check", check := _check(record)) != check:
+                raise ValueError("other options or chunks stand there than were written")
+            store.as_json(record)  # which refuses infinite numbers
             words("arithmetic", record["arithmetic"])
-            (record.get("from") or "").rpartition(":")  # words, where a scene is a user's
+            (scene,) = words("scene", [record["options"]["scene"]])
+            record["from"] = None if scene in NAMES else words("from", [record.get("from") or ""])[0]
             read_formats("formats", words("formats", record["formats"]))
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+            drawn = [each.name for each in (path.parent / "figures").glob("*")]  # before they were recorded
+            record["pictures"] = words("pictures", record.get("pictures", drawn))
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(f"{path}: is damaged ({store.in_one_line(error)}); {anew}") from None
     if record.get("format") != FORMAT:
         other = f"another version of nearflat wrote it (format {shown(record.get('format'))}, not {FORMAT})"
@@ -94,29 +99,41 @@ def read_record(folder: Path) -> dict[str, Any]:
     return record
 
 
-def stored_scene(record: dict[str, Any]) -> Scene:
-    """The scene of a run.json; a user's is loaded from its file. Raises InputError."""
-    where = record.get("from")
-    if where:
+def _check(record: dict[str, Any]) -> str:
+    """Digest of what a run.json says of the question: a wrong number there would make good chunks bad ones."""
+    return store.sha256(json.dumps([record["options"], record["chunks"]], sort_keys=True))[:16]
+
+
+def stored_scene(folder: Path | None, record: dict[str, Any], trust: bool) -> Scene:
+    """The scene of a run.json. Raises InputError.
+
+    A user's that is not known is loaded from its file, which may do anything: only if `trust` says so, the file is
+    as it was when the run began, and the folder has not brought it along.
+    """
+    where = record["from"]
+    if where and not is_known(record["options"]["scene"], where):
         file, _, name = where.rpartition(":")
         if not Path(file).is_file():
             raise InputError(
                 f"scene {where}: the file is gone; put it back, or continue with: nearflat run NEW.py:{name} ... "
                 "--resume --out DIR, where ... stands for the options in run.json"
             )
+        if folder and Path(file).resolve().is_relative_to(folder.resolve()):
+            raise InputError(f"scene {where}: code in the folder of a run is not run; move the file elsewhere")
+        if _code_in(file) != record["code"]:
+            raise InputError(_remedy("code", record))
+        if not trust:
+            raise InputError(f"scene {where}: its code is run only if you say that you trust it; give trust")
         scene_class(where)
     return scene_of(record["options"])
 
 
-def changed(record: dict[str, Any], scene: Callable[[], Scene]) -> list[str]:
-    """What computed a run and is other now, in sentences. scene: makes it, where no file has its code."""
-    where = record.get("from")
-    try:
-        code = _code_in(where.rpartition(":")[0]) if where else _code_of(type(scene()))
-    except InputError:  # a user's, from a script or a notebook, is known only there
-        if record["code"] is None:
-            raise
-        code = None
+def changed(record: dict[str, Any]) -> list[str]:
+    """What computed a run and is other now, in sentences."""
+    file = (record["from"] or "").rpartition(":")[0]
+    code = None
+    with contextlib.suppress(InputError):  # a user's, from a script or a notebook, is known only there
+        code = _code_in(file) if Path(file).is_file() else _code_of(known_scene(record["options"]["scene"]))
     now = {"kernels": compiled.source_digest(), "code": code or record["code"]}  # a file that is gone says nothing
     return [_remedy(what, record) for what in MADE_BY if now[what] != record[what]]
 
@@ -144,7 +161,7 @@ def require_same(folder: Path, record: dict[str, Any], scene: Scene) -> None:
     for key, before, now in differing(record, identity(scene)):
         if key in MADE_BY:
             raise InputError(f"{folder}: {_remedy(key, record)}")
-        if not (key == "samples" and before < now):
+        if not (key == "samples" and whole("samples", before) < now):
             raise InputError(
                 f"{folder} was run with {key} = {shown(before)}, now {key} = {shown(now)}; give the "
                 "same (or more samples), another folder, or replace the run"
@@ -184,17 +201,14 @@ def opened(folder: Path, scene: Scene, exist: str) -> Iterator[tuple[Scene, dict
     """
     fresh = not folder.exists()
     record = made_folder("out", folder) / "run.json"
-    own = {".lock", *_FOLDERS}
-    if not record.exists() and any(path.name not in own and not path.match(".*.tmp") for path in folder.iterdir()):
+    own = rf"\.lock|chunks|bad|figures|{store.BEGUN}"
+    if not record.exists() and not all(re.fullmatch(own, path.name) for path in folder.iterdir()):
         raise InputError(f"out {folder}: is not empty and holds no run; give another folder")
     with _locked(folder / ".lock"):
         if record.exists() and exist == "error":
             raise InputError(f"out {folder}: holds a run already; resume it, replace it, or give another folder")
         if exist == "replace":
-            for place in _FOLDERS:
-                shutil.rmtree(folder / place, ignore_errors=True)
-            for name in ("summary.json", "run.json"):
-                (folder / name).unlink(missing_ok=True)
+            remove(folder)
         (folder / "chunks").mkdir(exist_ok=True)
         if not store.synced(folder):
             warn(f"out {folder}: its file system syncs no folders; a power cut may take the last chunks")
@@ -205,18 +219,38 @@ def opened(folder: Path, scene: Scene, exist: str) -> Iterator[tuple[Scene, dict
         try:
             yield scene, known
         finally:
-            if fresh and not record.exists():  # it was not begun, or nothing came of it
-                shutil.rmtree(folder, ignore_errors=True)
+            if not record.exists():  # it was not begun, or nothing came of it
+                remove(folder)
+                with contextlib.suppress(OSError):  # the lock is held too firmly, or something stays
+                    (folder / ".lock").unlink()
+                    folder.rmdir() if fresh else None
+
+
+def remove(folder: Path) -> None:
+    """Delete the run of a folder, by the names of its files; all others stay, and folders that have some."""
+    with contextlib.suppress(InputError):
+        remove_pictures(folder, read_record(folder)["pictures"])
+    for place in (folder / "chunks", folder / "bad", folder / "figures", folder):
+        for path in store.files_in(place, rf"{store.NAME}|{store.BEGUN}|run\.json|summary\.json"):
+            path.unlink()
+        with contextlib.suppress(OSError):  # something stays, if only the lock
+            place.rmdir()
+
+
+def remove_pictures(folder: Path, names: Sequence[str]) -> None:
+    """Delete pictures of a run that are finished or begun, by the names that run.json has."""
+    for path in store.files_in(folder / "figures", rf"\.?({'|'.join(map(re.escape, names))})"):
+        path.unlink()
 
 
 def missing_chunks(folder: Path, scene: Scene, say: Callable[[str], None]) -> list[int]:
     """The numbers of chunks that are not there or not good. What is no good chunk is moved to bad/ and told."""
-    for leftover in (*folder.glob(".*.tmp"), *folder.glob("chunks/.*.tmp")):
+    for leftover in (*store.files_in(folder, store.BEGUN), *store.files_in(folder / "chunks", store.BEGUN)):
         leftover.unlink(missing_ok=True)
-    good, shared = set[int | None](), digest_of_identity(identity(scene))
-    for chunk, fault in store.examined(store.chunks_in(folder), scene.chunks, shared):
+    good, shared = set[int](), digest_of_identity(identity(scene))
+    for chunk, fault in store.examined(store.chunks_in(folder, shared), scene.chunks):
         path, place = folder / "chunks" / chunk.name, folder / "bad"
-        if not fault and chunk.note()["drawn"] < scene.drawn(chunk.number or 0):
+        if not fault and chunk.note()["drawn"] < scene.drawn(chunk.number):
             say(f"{chunk.name}: it was at the end of a run of fewer samples; it is computed anew")
             path.unlink()
         elif not fault:
@@ -232,15 +266,8 @@ def write_record(folder: Path, scene: Scene, how: dict[str, Any]) -> None:
     """Write run.json: everything needed to run it again, how it was made, and what it ran on."""
     versions = {"python": platform.python_version(), **{name: installed_version(name) for name in PACKAGES}}
     content = {"format": FORMAT, **identity(scene), "from": file_of(type(scene)), "chunks": scene.chunks, **how}
-    store.write_json(folder / "run.json", {**content, "versions": versions, "machine": machine()})
-
-
-def processors(record: dict[str, Any], say: Callable[[str], None]) -> list[str]:
-    """The kinds of processors that have computed a run, this one too; where they differ it is told."""
-    kinds = dict.fromkeys([*record.get("arithmetic", ()), arithmetic()])
-    if len(kinds) > 1:
-        say(f"last digits, and so the digest, depend on the kind of processor; of this run: {'; '.join(kinds)}")
-    return list(kinds)
+    about = {"check": _check(content), "versions": versions, "machine": machine()}
+    store.write_json(folder / "run.json", content | about)
 
 
 def now() -> str:

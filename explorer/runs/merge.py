@@ -65,5 +65,5 @@ def merge(*runs: Run) -> Run:
             )
     for part in parts:
         part.complete()
-    more: Any = {"samples": sum(part.options["samples"] for part in parts)}
+    more: Any = {"samples": sum(part.scene.options["samples"] for part in parts)}
     return Run(replace(first, **more), parts=parts)

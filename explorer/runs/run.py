@@ -2,7 +2,6 @@
 
 import contextlib
 import html
-import shutil
 import sys
 import threading
 import time
@@ -16,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from explorer import compiled
-from explorer.errors import InputError, Interrupted, RunError, note, one_of, shorten, words
+from explorer.errors import InputError, Interrupted, RunError, flag, note, one_of, printable, shorten, words
 from explorer.measure.tallies import ByName
-from explorer.paths import path_of
+from explorer.paths import command_line, on_disk, path_of
 from explorer.runs import folder as folders
 from explorer.runs import store
 from explorer.runs.estimate import require_room
@@ -64,7 +63,8 @@ class Run:
     Attributes
     ----------
     scene : Scene
-        The question, with all its options. If the run is stored, the scene is loaded only when it is needed.
+        The question, with all its options. If the run is stored, the scene is loaded only when it is needed, and
+        one of a user only as `open` says.
     folder : Path or None
         Where the run is stored; None for one in memory and for several that are merged.
 
@@ -86,19 +86,20 @@ class Run:
         chunks: Sequence[store.Chunk] = (),
         folder: Path | None = None,
         parts: "Sequence[Run]" = (),
+        trust: bool = False,
     ) -> None:
-        self.folder, self._held, self._parts = folder, chunks, parts
+        self.folder, self._held, self._parts, self._trust = folder, chunks, parts, trust
         if scene is not None:
             self.scene = scene
 
     @cached_property
     def scene(self) -> Scene:
-        return folders.stored_scene(self.identity)
+        return folders.stored_scene(self.folder, self.identity, self._trust)
 
     @property
     def _due(self) -> int:
         """How many chunks it has when it is finished."""
-        return self.scene.chunks if self.folder is None else int(self.identity["chunks"])
+        return self.scene.chunks if self.folder is None else self.identity["chunks"]
 
     @property
     def parts(self) -> "tuple[Run, ...]":
@@ -108,7 +109,7 @@ class Run:
     @property
     def options(self) -> dict[str, Any]:
         """Scene and options: `run(**options)` asks the same question again."""
-        return self.scene.options
+        return dict(self.identity["options"])
 
     @property
     def identity(self) -> dict[str, Any]:
@@ -117,8 +118,10 @@ class Run:
 
     @property
     def chunks(self) -> list[store.Chunk]:
-        """The stored chunks, with files that have the name of a chunk but may be damaged."""
-        return list(self._held) if self.folder is None else store.chunks_in(self.folder)
+        """The stored chunks: all files that have the name of one; they may be damaged."""
+        if self.folder is None:
+            return list(self._held)
+        return store.chunks_in(self.folder, folders.digest_of_identity(self.identity))
 
     def complete(self) -> list[store.Chunk]:
         """All chunks, in order. Raises RunError if one is missing, or if two have the same number.
@@ -135,29 +138,24 @@ class Run:
         if [chunk.number for chunk in chunks] == list(due):
             return chunks
         missing = len({*due} - {chunk.number for chunk in chunks})
-        fault = (
-            f"{missing} of {len(due)} chunks are missing" if missing else "there are chunks that are not its own"
-        )
-        raise RunError(f"{self.folder}: {fault}; continue with: nearflat resume {self.folder}")
+        fault = f"{missing} of {len(due)} chunks are missing" if missing else "some chunks are not its own"
+        raise RunError(f"{self.folder}: {fault}; continue with: {command_line('resume', self.folder)}")
 
     @cached_property
-    def _total(self) -> tuple[Any, dict[str, Any]]:
-        """All that was counted, for pictures, and the numbers."""
-        total, digests = self.scene.tally(), list[str]()
+    def _total(self) -> tuple[Any, dict[str, Any], set[str]]:
+        """All that was counted, for pictures, the numbers, and the kinds of processors that computed them."""
+        total, digests, kinds = self.scene.tally(), list[str](), set[str]()
         for part in self.parts:
-            due = folders.digest_of_identity(part.identity)
             for said in map(store.Chunk.note, part.complete()):
-                if said["identity"] != due:
-                    fault = "its chunks are not those that run.json describes"
-                    raise RunError(f"{part.folder}: {fault}; see: nearflat verify {part.folder}")
                 total += self.scene.tally.of_state(said["tally"])
                 digests.append(said["digest"])
+                kinds |= {said["arithmetic"]} if "arithmetic" in said else set()
         numbers = {**self.options, **plain(self.scene.summarise(total))}
         store.as_json(numbers)  # fails here where it is no JSON
-        numbers["digest"] = store.digest_of_all(digests)
+        numbers["digest"] = store.sha256("".join(digests))
         if self._parts:
             numbers["seed"] = [part.scene.seed for part in self._parts]
-        return total, numbers
+        return total, numbers, kinds
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -172,24 +170,25 @@ class Run:
     @property
     def status(self) -> Progressed:
         """How far the run is: chunks and samples done, counts of each status, what is missing."""
-        due, notes = sum(part._due for part in self.parts), list[dict[str, Any]]()
+        due, done, counts = 0, 0, ByName[int]()
         for part in self.parts:
-            there = {chunk.number: chunk for chunk in part.chunks if chunk.number in range(part._due)}
-            for chunk in there.values():
+            due += (own := part._due)
+            for chunk in {chunk.number: chunk for chunk in part.chunks if chunk.number < own}.values():
                 with contextlib.suppress(RunError):  # `verify` says what is wrong with it
-                    notes.append(chunk.note())
+                    counts += chunk.note()["tally"]["status"]
+                    done += 1
         record = folders.read_record(self.folder) if self.folder else {}
         lacking = {
-            "chunks": len(notes) < due,
+            "chunks": done < due,
             "figures": record.get("formats") and "finished" not in record,
             "summary": self.folder and not (self.folder / "summary.json").is_file(),
         }
         return Progressed(
             str(self.parts[0].identity["options"]["scene"]),
             due,
-            len(notes),
-            sum(sum(note["tally"]["status"].values()) for note in notes),
-            dict(sum((note["tally"]["status"] for note in notes), ByName[int]())),
+            done,
+            sum(counts.values()),
+            dict(counts),
             record.get("finished"),
             record.get("seconds_for_chunks"),
             tuple(name for name, is_so in lacking.items() if is_so),
@@ -209,7 +208,7 @@ class Run:
         return list(self._pictures())
 
     def _pictures(self) -> dict[str, Picture]:
-        total, summary = self._total
+        total, summary, _ = self._total
         return dict(self.scene.figures(summary, total))
 
     def figure(self, name: str, ax: "Axes | None" = None, **options: Any) -> "Figure":
@@ -240,11 +239,15 @@ class Run:
         >>> [table["race_angle"].size for table in races.tables(["race_angle"])]
         [1000]
         """
+        return map(store.table_of, self._rows(columns))
+
+    def _rows(self, columns: Columns) -> "Iterator[pa.Table]":
+        """Some columns of all chunks, in order."""
         chunks = self.complete()
         known = chunks[0].columns()
         asked = () if columns is None else words("columns", columns)
         names = [one_of("column", name, known) for name in asked] or known
-        return (chunk.table(names) for chunk in chunks)
+        return (chunk.arrow(names) for chunk in chunks)
 
     def arrow(self, columns: Columns = None) -> "pa.Table":
         """The kept samples as an Arrow table; each field says its meaning, unit and equation in its metadata.
@@ -260,9 +263,8 @@ class Run:
         """
         import pyarrow as pa  # loaded only by those who ask for a table
 
-        parts = (store.as_arrow(self.scene, table) for table in self.tables(columns))
         # A user's own column of whole numbers may lack one in another chunk, and is of doubles there.
-        return pa.concat_tables(parts, promote_options="permissive").unify_dictionaries()
+        return pa.concat_tables(self._rows(columns), promote_options="permissive").unify_dictionaries()
 
     def frame(self, columns: Columns = None) -> "pd.DataFrame":
         """The kept samples as a pandas DataFrame, status by name.
@@ -290,18 +292,17 @@ class Run:
         """
         if self._parts:
             return [fault for part in self._parts for fault in part.verify()]
-        known, chunks, due = self.identity, self.chunks, self._due
+        chunks, due = self.chunks, self._due
         faults = [f"run.json: {each}" for each in self.changed()]
         missing = sorted({*range(due)} - {chunk.number for chunk in chunks})
         named = shorten(", ".join(map(str, missing)), 60)
-        if missing:
-            faults.append(f"{len(missing):,} of {due:,} chunks are missing: {named}")
-        looked_at = store.examined(chunks, due, folders.digest_of_identity(known), rows=True)
+        faults += [f"{len(missing):,} of {due:,} chunks are missing: {named}"] if missing else []
+        looked_at = store.examined(chunks, due)
         faults += [f"{chunk.name}: {fault}" for chunk, fault in looked_at if fault]
         summary = self.folder and self.folder / "summary.json"
         if not faults and summary and summary.is_file():
             with contextlib.suppress(InputError):  # without the file of a user's scene nothing is added up
-                if summary.read_bytes() != store.as_json(Run(self.scene, folder=self.folder).summary):
+                if summary.read_bytes() != store.as_json(Run(folder=self.folder, trust=self._trust).summary):
                     faults.append("summary.json: does not belong to these chunks; run `nearflat summary`")
         return faults
 
@@ -316,7 +317,7 @@ class Run:
         """
         if self._parts:
             return [each for part in self._parts for each in part.changed()]
-        return folders.changed(self.identity, lambda: self.scene)
+        return folders.changed(self.identity) if self.folder else []
 
     def resume(self, **settings: Any) -> "Run":
         """Compute what is missing or damaged, and draw the pictures that are missing; returns the run itself.
@@ -352,20 +353,23 @@ class Run:
         return [f"Run of {name}, {f'{len(self._parts)} merged' if self._parts else where}", *others]
 
     def __repr__(self) -> str:
-        return "\n  ".join(self._lines())
+        return printable("\n  ".join(self._lines()))
 
     def _repr_html_(self) -> str:
         first, *others = map(html.escape, self._lines())
         return f"<b>{first}</b><ul>{''.join(f'<li>{line}</li>' for line in others)}</ul>"
 
 
-def open(folder: Path | str) -> Run:
+def open(folder: Path | str, *, trust: bool = False) -> Run:
     """Open a stored run, finished or not.
 
     Parameters
     ----------
     folder : path
         Folder of the run, which holds run.json.
+    trust : bool
+        True if the file of a user's scene that run.json names may be run. Without it no code that a folder names
+        is run: samples, counts and checks are read, but not what only the scene can say, its summary and pictures.
 
     Returns
     -------
@@ -375,7 +379,7 @@ def open(folder: Path | str) -> Run:
     ------
     InputError
         If there is no run, or one of another version. If its scene is not known here, the error comes only when
-        the scene is needed.
+        the scene is needed; also if it may not be loaded.
 
     Examples
     --------
@@ -389,7 +393,7 @@ def open(folder: Path | str) -> Run:
     """
     place = path_of("folder", folder)
     folders.read_record(place)
-    return Run(folder=place)
+    return Run(folder=place, trust=flag("trust", trust))
 
 
 def execute(scene: Scene, settings: Settings) -> Run:
@@ -400,7 +404,7 @@ def execute(scene: Scene, settings: Settings) -> Run:
     which says how to continue. The second raises KeyboardInterrupt at once.
     """
     if settings.out is not None:
-        with folders.opened(settings.out, scene, settings.exist) as (begun, record):
+        with on_disk(settings.out), folders.opened(settings.out, scene, settings.exist) as (begun, record):
             return _fill(begun, settings, settings.out, record)
     compiled.warmup(scene.kernels, lambda text: note(text, not settings.progress))
     with stopping(settings.onward) as stop:
@@ -419,32 +423,37 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
 
     missing = folders.missing_chunks(folder, scene, say)
     require_room(scene, settings, len(missing))
-    known: dict[str, Any] = {"command": None, "formats": FORMATS, "arithmetic": []} | record
+    known: dict[str, Any] = {"command": None, "formats": FORMATS, "arithmetic": [], "pictures": ()} | record
     how: dict[str, Any] = {
         "started": known.get("started", folders.now()),
         "command": settings.command or known["command"],
         "jobs": settings.jobs,
         "backend": settings.backend,
         "formats": (settings.format or known["formats"] or FORMATS) if settings.figures else [],
-        "arithmetic": folders.processors(record, say) if missing else known["arithmetic"],
+        **{name: known[name] for name in ("arithmetic", "pictures")},
     }
     folders.write_record(folder, scene, how)
     compiled.warmup(scene.kernels, say)  # takes long; what is stopped now can be resumed
     with stopping(settings.onward) as stop:
         deque(_computed(scene, settings, missing, stop) if missing else (), maxlen=0)
         how |= {"chunks_computed": len(missing), "seconds_for_chunks": round(time.monotonic() - clock, 3)}
-        run, summary, drawn = Run(scene, folder=folder), folder / "summary.json", folder / "figures"
+        run, summary = Run(scene, folder=folder), folder / "summary.json"
         try:
             found = store.as_json(run.summary)
         except RunError:
             if not run.status.status.get("ok"):  # nothing came of it: the command, mended, may use the folder
-                shutil.rmtree(folder / "chunks")
-                (folder / "run.json").unlink()
+                folders.remove(folder)
             raise
-        if summary.exists() and summary.read_bytes() != found:
-            shutil.rmtree(drawn, ignore_errors=True)  # pictures of fewer samples
+        if summary.is_file() and summary.read_bytes() != found:
+            folders.remove_pictures(folder, known["pictures"])  # of fewer samples
         store.write_json(summary, run.summary)
+        how["arithmetic"] = kinds = sorted({*known["arithmetic"], *run._total[2]})
+        if len(kinds) > 1:
+            say(f"last digits, and the digest, depend on the kind of processor; of this run: {'; '.join(kinds)}")
         if how["formats"]:
+            drawn = [f"{name}.{kind}" for name in run.pictures for kind in how["formats"]]
+            how["pictures"] = sorted({*known["pictures"], *drawn})
+            folders.write_record(folder, scene, how)  # before they are there, so that they are known as ours
             _draw_missing(run, how["formats"], stop, settings.onward)
     folders.write_record(folder, scene, {**how, "finished": folders.now()})
     return run

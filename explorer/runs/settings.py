@@ -9,12 +9,14 @@ from typing import Any, ClassVar
 import numpy as np
 
 from explorer.errors import InputError, one_of, whole, words
+from explorer.paths import command_line
 from explorer.scenes.options import FOLDER, TEXT, TRUTH, Options, Reader, option, options_of, word_of, workers
 from explorer.scenes.scene import Scene, scene_class
 
 FORMATS, KNOWN_FORMATS = ("png", "svg"), ("png", "svg", "pdf")
 # What a run in memory may draw: some hundred megabytes where all rows are kept.
 MOST_IN_MEMORY = 1_000_000
+MOST_CHUNKS = 1_000_000  # of a run: their numbers have six digits, so that files sorted by name are in order
 # Of records and of the command line, beside those of options
 _WORDS = ("scene", "help", "json", "quiet", "resume", "replace", "command", "command_line", "call")
 
@@ -92,9 +94,9 @@ class Settings(Making):
         """How to go on with a run that was stopped."""
         if self.out is None:
             return "nothing is kept unless out names a folder"
-        by = " --backend dask" if self.backend == "dask" else ""
-        to = f" --scheduler {self.scheduler}" if self.scheduler else ""
-        return f"continue with: nearflat resume {self.out}{by}{to}"
+        by = ["--backend", "dask"] if self.backend == "dask" else []
+        to = ["--scheduler", self.scheduler] if self.scheduler else []
+        return f"continue with: {command_line('resume', self.out, *by, *to)}"
 
 
 def asked(name: Any, given: Mapping[str, Any], command: str | None = None) -> tuple[Scene, Settings]:
@@ -117,6 +119,10 @@ def asked(name: Any, given: Mapping[str, Any], command: str | None = None) -> tu
             f"scene {kind.__name__}: {min(taken)} is the name of a setting of runs; give your option another name"
         )
     scene = kind.of(said)
+    if scene.chunks > MOST_CHUNKS:
+        size = 1 << (scene.options.get("samples", 0) // MOST_CHUNKS).bit_length()
+        remedy = f"chunk_size {size} or more" if hasattr(scene, "chunk_size") else "fewer samples"
+        raise InputError(f"samples: make {scene.chunks:,} chunks, at most {MOST_CHUNKS:,} are held; give {remedy}")
     if settings.out is None and (command is not None or samples_of(scene) > MOST_IN_MEMORY):
         settings = replace(settings, out=Path(f"results/{scene.name}-{scene.label}-{scene.seed}"))
     return scene, replace(settings, command=command)

@@ -26,103 +26,114 @@ from numpy.typing import NDArray
 
 from explorer.errors import RunError, shorten
 from explorer.motion.threads import require_wanted
+from explorer.paths import on_disk
 from explorer.phase.results import status_codes, to_arrow
+from explorer.runs.machine import arithmetic
 from explorer.scenes.scene import Scene, Table
 
-_NAME = re.compile(r"chunk-([0-9]{6}|[1-9][0-9]{6,8})-([0-9a-f]{16})\.parquet")
+NAME = r"chunk-[0-9]{6}-[0-9a-f]{16}\.parquet"
+BEGUN = rf"\.({NAME}|run\.json|summary\.json)\.[0-9]+\.tmp"  # while it is written
 _NOTE, _CHECK = b"nearflat", b"nearflat.sha256"  # of the footer: what it says, and the digest of that
 _FEW = 1 << 14  # rows, which one thread has read before others are asked to
 # What file systems answer that cannot sync folders (older CIFS, network drives of WSL, some FUSE), or lock files
 # (Lustre mounted plainly, NFS without the service for locks)
 UNABLE = (errno.EINVAL, errno.EBADF, errno.EOPNOTSUPP, errno.ENOTSUP, errno.ENOSYS, errno.ENOLCK)
-_DAMAGE = (OSError, ValueError, KeyError, TypeError, pa.ArrowException)  # what reading a damaged file may raise
+_DAMAGE = (OSError, ValueError, KeyError, TypeError, RecursionError, pa.ArrowException)  # of damaged files
 
 
 class Chunk(NamedTuple):
-    """A chunk of a run: its name, and the file that has its bytes, or these themselves."""
+    """A chunk of a run: its name, the file that has its bytes or these themselves, and what all chunks share.
+
+    Whoever reads it is told where it is the chunk of another run, or another one under its name.
+    """
 
     name: str
     content: Path | bytes
+    identity: str
 
     @property
-    def number(self) -> int | None:
-        """The number in its name; None where the name is not a chunk's."""
-        match = _NAME.fullmatch(self.name)
-        return int(match[1]) if match else None
+    def number(self) -> int:
+        """The number in its name."""
+        return int(self.name.split("-")[1])
 
     def data(self) -> bytes:
         """Its bytes."""
         return self.content if isinstance(self.content, bytes) else self.content.read_bytes()
 
     def note(self) -> dict[str, Any]:
-        """What its footer says: index, identity, drawn, digest of rows and counts, tally. Raises RunError."""
-        with self._opened() as file:
-            return _noted(file)
+        """What its footer says: index, identity, drawn, digest of rows and counts, tally, arithmetic of its maker.
+
+        Raises RunError where it cannot be read, or belongs elsewhere.
+        """
+        with self._opened() as (_, note):
+            return note
 
     def columns(self) -> list[str]:
         """The names of its columns. Raises RunError where it is damaged."""
-        with self._opened() as file:
+        with self._opened() as (file, _):
             return list(file.schema_arrow.names)
 
-    def table(self, columns: Sequence[str] | None = None) -> Table:
-        """Its kept rows; some columns, or all. Raises RunError where it is damaged."""
-        with self._opened() as file:
-            wanted = None if columns is None else list(columns)
-            arrow = file.read(columns=wanted, use_threads=file.metadata.num_rows > _FEW)
-            return {name: _values(arrow.column(name)) for name in wanted or arrow.column_names}
+    def arrow(self, columns: Sequence[str] | None = None) -> pa.Table:
+        """Its kept rows, with units and meanings; some columns, or all. Raises RunError where it is damaged."""
+        with self._opened() as (file, _):
+            wanted = list(columns or file.schema_arrow.names)
+            table = file.read(columns=wanted, use_threads=file.metadata.num_rows > _FEW)
+            return table.select(wanted).replace_schema_metadata()
 
     @contextlib.contextmanager
-    def _opened(self) -> Iterator[pq.ParquetFile]:
+    def _opened(self) -> Iterator[tuple[pq.ParquetFile, dict[str, Any]]]:
         try:
             # Arrow would look for the kind of file system in a path, which takes as long as to open the file, and
             # would take a relative one with a colon for an address.
             content = self.content
             source = pa.BufferReader(content) if isinstance(content, bytes) else pa.OSFile(str(content.absolute()))
             with source, pq.ParquetFile(source, page_checksum_verification=True) as file:
-                yield file
-        except _DAMAGE as error:
-            where = self.name if isinstance(self.content, bytes) else self.content
-            raise RunError(
-                f"{where}: cannot be read or is damaged ({in_one_line(error)}); resume the run"
-            ) from error
-
-    def fault(self, identity: str, rows: bool) -> str:
-        """What is wrong with it as a chunk of this run, by all of its bytes; empty where all is well.
-
-        rows: whether they are read too, and compared with the digest in its footer.
-        """
-        try:
-            inside = self.data()
-            if not self.name.endswith(f"-{sha256(inside)[:16]}.parquet"):
-                return "its bytes are not those that were written"
-            with Chunk(self.name, inside)._opened() as file:
                 note = _noted(file)
-            if (note["identity"], note["index"]) != (identity, self.number):
-                return "it belongs to another run"
-            if rows and digest_of(Chunk(self.name, inside).table(), note["tally"]) != note["digest"]:
+                if note["identity"] != self.identity:
+                    raise ValueError("it belongs to another run")
+                if note["index"] != self.number:
+                    raise ValueError(f"it is chunk {note['index']} under another name")
+                yield file, note
+        except _DAMAGE as error:
+            where, fault = self.name if isinstance(self.content, bytes) else self.content, in_one_line(error)
+            raise RunError(f"{where}: cannot be read or is damaged ({fault}); resume the run") from error
+
+    def fault(self) -> str:
+        """What is wrong with it as a chunk of this run, by all of its bytes and rows; empty where all is well."""
+        try:
+            content = self.data()
+            if not self.name.endswith(f"-{sha256(content)[:16]}.parquet"):
+                return "its bytes are not those that were written"
+            inside = self._replace(content=content)
+            note, table = inside.note(), table_of(inside.arrow())
+            if digest_of(table, note["tally"]) != note["digest"]:
                 return "its rows and counts have another digest than it says"
         except (RunError, *_DAMAGE) as error:
-            return in_one_line(error)
+            return in_one_line(error.__cause__ or error)
         return ""
 
 
-def chunks_in(folder: Path) -> list[Chunk]:
-    """The Parquet files of a run, sorted by name; files that are being written have other names."""
-    return [Chunk(path.name, path) for path in sorted((folder / "chunks").glob("*.parquet"))]
+def chunks_in(folder: Path, identity: str) -> list[Chunk]:
+    """The chunks of a run, in order: all files that have the name of one; they may be damaged."""
+    return [Chunk(path.name, path, identity) for path in files_in(folder / "chunks", NAME)]
 
 
-def examined(
-    chunks: Sequence[Chunk], count: int, identity: str, rows: bool = False
-) -> Iterator[tuple[Chunk, str]]:
+def files_in(folder: Path, pattern: str) -> list[Path]:
+    """The files of a folder that have such a name, in order. All others are the user's; a pipe is no file."""
+    there = folder.iterdir() if folder.is_dir() else ()
+    return sorted(path for path in there if re.fullmatch(pattern, path.name) and path.is_file())
+
+
+def examined(chunks: Sequence[Chunk], count: int) -> Iterator[tuple[Chunk, str]]:
     """Each chunk of a run of `count` with what is wrong with it; empty where all is well."""
     known = Counter(chunk.number for chunk in chunks)
     for chunk in chunks:
-        if chunk.number is None or known[chunk.number] > 1:
-            yield chunk, "is no chunk of this run, or there are two of its number"
+        if known[chunk.number] > 1:
+            yield chunk, "there are two of its number"
         elif chunk.number >= count:
             yield chunk, f"is beyond the end of the run, which has {count:,} chunks"
         else:
-            yield chunk, chunk.fault(identity, rows)
+            yield chunk, chunk.fault()
 
 
 Done = tuple[Chunk, dict[str, int]]  # a chunk, and in which status its samples ended
@@ -131,27 +142,21 @@ Done = tuple[Chunk, dict[str, int]]  # a chunk, and in which status its samples 
 def make_chunk(scene: Scene, index: int, identity: str, folder: Path | None) -> Done:
     """Compute a chunk, and write it where there is a folder; and in which status its samples ended."""
     table, tally = scene.chunk(index)
-    arrow = as_arrow(scene, table)
+    arrow, own = to_arrow(table), scene.columns if isinstance(scene.columns, dict) else {}
+    fields = [field.with_metadata(own[field.name].texts) if field.name in own else field for field in arrow.schema]
+    arrow = arrow.cast(pa.schema(fields)) if own else arrow
     read = {name: _values(arrow.column(name)) for name in table if table[name].dtype.kind not in "fiub"}
     note = {"index": index, "identity": identity, "drawn": scene.drawn(index), "tally": tally.state()}
-    note["digest"] = digest_of({**table, **read}, note["tally"])
+    note["digest"], note["arithmetic"] = digest_of({**table, **read}, note["tally"]), arithmetic()
     text = json.dumps(note, allow_nan=False).encode()
     stream = pa.BufferOutputStream()
     _write_parquet(arrow, stream, {_NOTE: text, _CHECK: sha256(text).encode()})
     content = stream.getvalue().to_pybytes()
-    chunk = Chunk(f"chunk-{index:06d}-{sha256(content)[:16]}.parquet", content)
+    chunk = Chunk(f"chunk-{index:06d}-{sha256(content)[:16]}.parquet", content, identity)
     if folder is not None:
         require_wanted()  # after a second interrupt the folder's lock is free, and nothing is written
         chunk = chunk._replace(content=commit(folder / "chunks" / chunk.name, content))
     return chunk, dict(tally.status)
-
-
-def as_arrow(scene: Scene, table: Table) -> pa.Table:
-    """Rows as they are stored: with units and meanings, status by name."""
-    arrow = to_arrow(table)
-    own = scene.columns if isinstance(scene.columns, dict) else {}
-    fields = [field.with_metadata(own[field.name].texts) if field.name in own else field for field in arrow.schema]
-    return arrow.cast(pa.schema(fields)) if own else arrow
 
 
 def _write_parquet(table: pa.Table, stream: Any, metadata: dict[bytes, bytes]) -> None:
@@ -179,6 +184,11 @@ def _noted(file: pq.ParquetFile) -> dict[str, Any]:
     return dict(json.loads(metadata[_NOTE]))
 
 
+def table_of(arrow: pa.Table) -> Table:
+    """Rows as arrays."""
+    return {name: _values(arrow.column(name)) for name in arrow.column_names}
+
+
 def _values(column: pa.ChunkedArray) -> NDArray[Any]:
     """A column as an array: statuses are numbers here."""
     if not pa.types.is_dictionary(column.type):
@@ -201,16 +211,11 @@ def digest_of(table: Table, tally: dict[str, Any]) -> str:
     return digest.hexdigest()
 
 
-def digest_of_all(digests: Sequence[str]) -> str:
-    """Digest of a run from those of its chunks, in order."""
-    return sha256("".join(digests))
-
-
 def sha256(content: str | bytes) -> str:
     return hashlib.sha256(content.encode() if isinstance(content, str) else content).hexdigest()
 
 
-def in_one_line(error: Exception) -> str:
+def in_one_line(error: BaseException) -> str:
     """What an exception says, not too long."""
     return shorten(" ".join(str(error).split()), 150)
 
@@ -218,18 +223,14 @@ def in_one_line(error: Exception) -> str:
 def commit(path: Path, content: bytes) -> Path:
     """Write a file so that its name exists only if its content is complete and on disk. Raises RunError."""
     begun = path.with_name(f".{path.name}.{os.getpid()}.tmp")  # readers of the folder skip the dot
-    try:
+    with on_disk(path), contextlib.ExitStack() as after:
+        after.callback(begun.unlink, missing_ok=True)
         with begun.open("wb") as stream:
             stream.write(content)
             stream.flush()
             os.fsync(stream.fileno())
         begun.replace(path)
         synced(path.parent)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            begun.unlink(missing_ok=True)
-        fault = error.strerror or error
-        raise RunError(f"{path}: cannot be written ({fault}); what is finished is kept; resume the run") from error
     return path
 
 

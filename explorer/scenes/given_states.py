@@ -73,8 +73,9 @@ class GivenStates:
 
     what: how messages call them. sha256: of the bytes in files or of the numbers; it identifies a run. path: of a
     file, or of a folder of Parquet files. columns: of a table; None for `States`, and for Parquet, which is read
-    piece by piece. groups: of Parquet, the file, number and rows of each row group. chart: which columns say where
-    the disk is; None for `States`, and of a stored run, whose file is opened when a row is needed. degrees:
+    piece by piece. groups: of Parquet, the file, number and rows of each row group. stamps: what `_stamps` said of
+    its files before the digest was taken. chart: which columns say where the disk is; None for `States`, and of a
+    stored run, whose file is opened when a row is needed. degrees:
     whether angles, and rates of angles, of the table are in degrees.
     """
 
@@ -87,6 +88,7 @@ class GivenStates:
     states: States | None = None
     degrees: bool = False
     groups: tuple[tuple[Path, int, int], ...] = ()
+    stamps: tuple[Any, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.rows:
@@ -119,34 +121,35 @@ class GivenStates:
     def _of_file(cls, flag: str, path: Path, remedy: str = "give Parquet or CSV") -> "GivenStates":
         """From CSV or Parquet: a file, or a folder of Parquet. Raises InputError where it says no state."""
         what, digest = f"{flag} {path}", hashlib.sha256()
-        folder = sorted(path.glob("*.parquet")) if path.is_dir() else []
         with _reading(what, remedy):
-            for file in folder or [path]:  # a folder without any cannot be read
+            stamps = _stamps(path)
+            for file, *_ in stamps:
                 with file.open("rb") as stream:
                     hashlib.file_digest(stream, lambda: digest)
-            with (folder or [path])[0].open("rb") as stream:
-                parquet = bool(folder) or stream.read(len(_PARQUET)) == _PARQUET
+            with stamps[0][0].open("rb") as stream:
+                parquet = path.is_dir() or stream.read(len(_PARQUET)) == _PARQUET
             if parquet:
-                return cls._of_parquet(what, path, folder or [path], digest.hexdigest())
+                return cls._of_parquet(what, path, stamps, digest.hexdigest())
             table, point = _csv(path)
         chart = _chart(table.column_names, what)
         columns = _read(table, chart, what, point=point)
         return cls(what, table.num_rows, digest.hexdigest(), path, chart, columns)
 
     @classmethod
-    def _of_parquet(cls, what: str, path: Path, files: list[Path], digest: str) -> "GivenStates":
+    def _of_parquet(cls, what: str, path: Path, stamps: tuple[Any, ...], digest: str) -> "GivenStates":
         """From Parquet files, which are read piece by piece."""
         import pyarrow.parquet as pq
 
         groups = list[tuple[Path, int, int]]()
-        for file in files:
+        for file, *_ in stamps:
             with _reading(f"{what}: {file.name}", "remove it, or write it again"):
                 about = pq.read_metadata(file)
             groups += [(file, n, about.row_group(n).num_rows) for n in range(about.num_row_groups)]
-        table = pq.read_schema(files[0]).empty_table()
+        table = pq.read_schema(stamps[0][0]).empty_table()
         chart = _chart(table.column_names, what)
         _read(table, chart, what)  # refuses columns of types that are of no use
-        return cls(what, sum(rows for *_, rows in groups), digest, path, chart, groups=tuple(groups))
+        count = sum(rows for *_, rows in groups)
+        return cls(what, count, digest, path, chart, groups=tuple(groups), stamps=stamps)
 
     @cached_property
     def opened(self) -> "GivenStates":
@@ -232,6 +235,8 @@ class GivenStates:
             some = self.groups[low : high + 1]
             parts = [ParquetFile(file, page_checksum_verification=True).read_row_group(n) for file, n, _ in some]
             table = pa.concat_tables(parts, promote_options="permissive").slice(first - ends[low], count)
+            if _stamps(self.path or Path()) != self.stamps:
+                raise InputError(f"{self.what}: was changed or replaced meanwhile; put it back")
         return _read(table, chart, self.what, first)
 
     def told(self, rows: list[int]) -> list[str]:
@@ -248,6 +253,12 @@ def coordinates_of(states: States) -> Columns:
     """phi, phidot, sigma3, sigma4 in the units of the disk; NaN where there is no state."""
     good = states.status != compiled.status.Status.BAD_INPUT
     return {name: np.where(good, getattr(states, name), np.nan) for name in COORDINATES}
+
+
+def _stamps(path: Path) -> tuple[tuple[Path, int, int, int], ...]:
+    """The files at a path, and what tells that one was changed or replaced: its size, time and number."""
+    files = (path.is_dir() and sorted(path.glob("*.parquet"))) or [path]  # a folder without any cannot be read
+    return tuple((file, (at := file.stat()).st_size, at.st_mtime_ns, at.st_ino) for file in files)
 
 
 # Tables
@@ -270,7 +281,7 @@ def _reading(what: str, remedy: str) -> Iterator[None]:
 
     try:
         yield
-    except (OSError, EOFError, UnicodeError, zlib.error, pa.ArrowException) as error:
+    except (OSError, EOFError, UnicodeError, zlib.error, IndexError, pa.ArrowException) as error:
         reason = getattr(error, "strerror", None) or " ".join(str(error).split())
         raise InputError(f"{what}: cannot be read ({shorten(reason, 120)}); {remedy}") from None
 

@@ -109,7 +109,7 @@ class OneSided(Scene):
 
     @property
     def chunks(self) -> int:
-        return len(self.parts)
+        return len(self.disk) * -(-self.samples // BLOCK)  # a list of too many could not be held
 
     def length(self, index: int) -> int:
         disk, _, count = self.parts[index]

@@ -346,6 +346,11 @@ def scene_class(name: Any) -> type[Scene]:
         return register(name)
     if isinstance(name, str) and (".py:" in name or name.endswith(".py")):
         return register(_in_file(name))
+    return known_scene(name)
+
+
+def known_scene(name: Any) -> type[Scene]:
+    """The class of a scene of nearflat or of one that is registered; no file is looked for. Raises InputError."""
     known = [*NAMES, *_own]
     if not isinstance(name, str) or name not in known:
         yours = "A scene of your own: nearflat run my.py:Scene, or ex.register(Scene)"
@@ -383,9 +388,14 @@ def file_of(kind: type[Scene]) -> str | None:
     return f"{Path(file).resolve()}:{kind.__qualname__}"
 
 
+def is_known(name: str, where: str) -> bool:
+    """Whether the registered scene of this name is the one that "FILE.py:CLASS" names."""
+    return name in _own and file_of(_own[name]) == where
+
+
 def scene_of(options: dict[str, Any]) -> Scene:
-    """The scene whose `options` these are. Raises InputError."""
-    return scene_class(options["scene"]).of({key: value for key, value in options.items() if key != "scene"})
+    """The known scene whose `options` these are. Raises InputError."""
+    return known_scene(options["scene"]).of({key: value for key, value in options.items() if key != "scene"})
 
 
 def read_scene_file(path: Path) -> dict[str, Any]:

@@ -68,7 +68,7 @@ def compute(target):
             tallies.append(tally)
             digests.append(store.digest_of(kept, tally))
         np.savez(target / f"{name}.npz", **{key: np.concatenate([t[key] for t in tables]) for key in tables[0]})
-        said[name] = {"tallies": tallies, "digest": store.digest_of_all(digests)}
+        said[name] = {"tallies": tallies, "digest": store.sha256("".join(digests))}
     (target / "said.json").write_text(json.dumps(said))
 
 

@@ -53,7 +53,7 @@ def test_the_page_has_the_command_of_every_folder_and_its_pictures(tmp_path):
     assert "mine, one<br>\n<code>not known</code>" in gallery(tmp_path)
     (mine / "README.md").write_text("# Mine\n\nMade by `nearflat demo --a`, and more.\n")
     page = gallery(tmp_path)
-    assert "| [`mine/`](mine) | `nearflat demo --a` |" in page
+    assert '| <a href="mine"><code>mine/</code></a> | <code>nearflat demo --a</code> |' in page
     assert "mine, one<br>\n<code>nearflat demo --a</code>" in page
 
 
@@ -80,7 +80,7 @@ def test_pictures_stand_by_their_question_and_the_hero_comes_first(tmp_path):
     assert places == sorted(places)
     assert "From where" not in page
     assert 'alt="The picture a says &lt;much&gt;."' in page
-    assert picture_lines(folder / "a.gif", tmp_path)[-1] == "The picture a says <much>."
+    assert picture_lines(folder / "a.gif", tmp_path)[-1] == "The picture a says &lt;much&gt;."
 
 
 def test_what_is_no_folder_is_named(tmp_path):

@@ -126,6 +126,15 @@ def test_a_key_that_a_scene_file_has_in_two_spellings_is_refused(capsys, tmp_pat
     assert "eta_hat is given twice, with - and with _; leave one out" in err
 
 
+def test_a_scene_file_deletes_no_run(capsys, tmp_path):
+    out = tmp_path / "victim"
+    (tmp_path / "a.toml").write_text(f"scene = 'race-angles'\nout = '{out}'\nexist = 'replace'\nsamples = 50\n")
+    assert said(capsys, "run", "race-angles", "--samples", "60", "--out", out, "--no-figures")[0] == 0
+    status, _, err = said(capsys, "run", tmp_path / "a.toml")
+    assert (status, "exist is no option of a file; give --resume or --replace" in err) == (2, True)
+    assert json.loads((out / "summary.json").read_text())["samples"] == 60
+
+
 def test_an_option_that_a_scene_file_has_by_both_of_its_names_is_refused(capsys, tmp_path):
     (tmp_path / "a.toml").write_text('scene = "race-angles"\ndisk = "hoop"\ndisks = ["uniform"]\n')
     status, _, err = said(capsys, "run", tmp_path / "a.toml", "--out", tmp_path / "run")

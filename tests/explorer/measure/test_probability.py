@@ -273,3 +273,10 @@ def test_what_cannot_be_used_is_refused_in_a_sentence(given, message):
     start = {"tilt": (0.5, 1.5), "precession": 0.2, "spin": (-0.2, 0.2), **given}
     with pytest.raises(ex.InputError, match=message):
         ex.probability(UNIFORM, **start)
+
+
+@pytest.mark.parametrize("tilt", ["1e-6:1e-2", "1e-6:1e-3", "1e-8:1e-5", "norm:1e-4:1e-6"])
+def test_narrow_distributions_beside_flat_have_a_probability(tilt):
+    found = ex.probability(ex.Disk.uniform(), tilt=tilt, precession="0:2", spin="0", samples=2000)
+    assert 0.0 <= found.interval[0] <= found.estimate <= found.interval[1] <= 1.0
+    assert found.effective_samples > 0

@@ -233,3 +233,9 @@ def test_times_beyond_all_digits_are_refused():
 def test_at_one_time_as_at_several_a_limit_motion_has_all_its_columns():
     limit = limit_motion(start_on_f(ex.Disk.uniform(), 1))
     assert list(limit(0.5).to_pandas()) == list(limit([0.5]).to_pandas())
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_state_within_rounding_of_flat_is_refused_in_words():
+    with pytest.raises(ex.InputError, match="period is infinite"):
+        limit_motion(ex.theta_to_states(ex.Disk.uniform(), 1e-290, 0.1, 1e-120, 0.3))

@@ -1,5 +1,6 @@
 """The folder of a run: its record is enough to go on, and nothing else is touched."""
 
+import contextlib
 import errno
 import json
 import os
@@ -11,9 +12,11 @@ from pathlib import Path
 import filelock
 import pytest
 from coins import SMALL, Coins
+from told import said
 
 import explorer as ex
 from explorer import compiled
+from explorer.runs import store
 from explorer.runs.folder import FORMAT, opened, read_record
 from explorer.scenes import falling_set
 from explorer.scenes import scene as scenes
@@ -51,7 +54,9 @@ def test_a_folder_remembers_the_file_of_a_user_s_scene(finished, monkeypatch):
     monkeypatch.setattr(scenes, "_own", {})
     monkeypatch.delitem(sys.modules, "coins")
     finished.chunks[2].content.unlink()
-    again = ex.open(finished.folder)
+    with pytest.raises(ex.InputError, match=r"coins\.py:Coins: its code is run only if .* you trust it"):
+        ex.open(finished.folder).resume()
+    again = ex.open(finished.folder, trust=True)
     assert type(again.scene) is not Coins
     assert again.resume(progress=False).summary == finished.summary
     rewritten(again, **{"from": str(finished.folder / "gone.py:Coins")})
@@ -103,9 +108,9 @@ def test_a_run_goes_on_with_the_size_of_chunks_and_the_theta_min_that_it_began_w
     few, many = {"samples": 2000, "grid": 3, "figures": False}, {"samples": 4000, "grid": 3, "figures": False}
     usual = ex.run("falling-set", **many).scene
     assert (usual.theta_min, usual.chunk_size) == ("near", 1 << 20)
-    for said, stays in (({}, ("all", 1 << 16)), ({"theta_min": "none", "chunk_size": 512}, ("none", 512))):
+    for given, stays in (({}, ("all", 1 << 16)), ({"theta_min": "none", "chunk_size": 512}, ("none", 512))):
         folder = tmp_path / stays[0]
-        ex.run("falling-set", out=folder, **few, **said)
+        ex.run("falling-set", out=folder, **few, **given)
         scene = ex.run("falling-set", out=folder, **many).scene
         assert (scene.samples, scene.theta_min, scene.chunk_size) == (4000, *stays)
         with pytest.raises(ex.InputError, match="chunk_size"):
@@ -134,6 +139,57 @@ def test_replace_removes_the_run_and_what_stands_beside_it_stays(finished):
     left = {path for path in contents(folder) if path.suffix not in (".parquet", ".json")}
     assert left == {Path("mine.txt"), Path(".lock")}
     assert len([*folder.rglob("*.parquet")]) == 1
+
+
+def test_only_pictures_that_the_run_has_drawn_are_deleted(tmp_path):
+    """Also where samples are added, and by another scene."""
+    folder = tmp_path / "paper"
+    ex.run(Coins, out=folder, format="svg", **SMALL)
+    (folder / "figures" / "fig1.png").write_text("mine")
+    for how in ({"samples": 4000}, {"exist": "replace"}):
+        ex.run(Coins, out=folder, format="svg", **{**SMALL, **how})
+        assert {path.name for path in (folder / "figures").iterdir()} == {"fig1.png", "bars.svg"}
+    ex.run("race-angles", samples=100, out=folder, exist="replace", figures=False)
+    assert [path.name for path in (folder / "figures").iterdir()] == ["fig1.png"]
+
+
+@pytest.mark.parametrize("name", ["figures/fig1.png", "chunks/mine.parquet", ".notes.tmp", "chunks/.swap.17.tmp"])
+@pytest.mark.parametrize("exist", ["resume", "replace", "error"])
+def test_files_that_no_run_has_made_stay_where_no_run_was(name, exist, tmp_path):
+    (tmp_path / "paper" / "chunks").mkdir(parents=True)
+    (tmp_path / "paper" / "figures").mkdir()
+    (tmp_path / "paper" / name).write_text("mine")
+    with pytest.raises(ex.InputError, match="not empty") if name == ".notes.tmp" else contextlib.nullcontext():
+        ex.run(Coins, out=tmp_path / "paper", exist=exist, **SMALL)
+    assert (tmp_path / "paper" / name).read_text() == "mine"
+
+
+def test_files_of_others_in_the_folder_of_a_run_stay(finished):
+    """A pipe with the name of a chunk is not waited for."""
+    names = ["bad/x.txt", "chunks/mine.parquet", ".notes.tmp", "chunks/.swap.17.tmp", "figures/.b.png.tmp"]
+    (finished.folder / "bad").mkdir()
+    for name in names:
+        (finished.folder / name).write_text("mine")
+    os.mkfifo(finished.folder / "chunks" / f"chunk-000002-{'0' * 16}.parquet")
+    assert finished.verify() == []
+    assert ex.open(finished.folder).status.chunks_done == 5
+    finished.resume(progress=False)
+    ex.run(Coins, out=finished.folder, exist="replace", samples=10, figures=False)
+    assert [(finished.folder / name).read_text() for name in names] == ["mine"] * len(names)
+
+
+def test_a_picture_that_a_record_names_elsewhere_is_not_deleted(finished):
+    (finished.folder / "mine.svg").touch()
+    rewritten(finished, pictures=["../mine.svg", "bars.svg"])
+    ex.run(Coins, out=finished.folder, exist="replace", samples=10, figures=False)
+    assert (finished.folder / "mine.svg").exists()
+
+
+def test_an_empty_folder_is_empty_where_nothing_came_of_a_run(tmp_path):
+    (tmp_path / "mine").mkdir()
+    with pytest.raises(ex.InputError, match="free"):
+        ex.run(Coins, out=tmp_path / "mine", samples=10**12, chunk_size=1 << 26, keep="all")
+    assert list((tmp_path / "mine").iterdir()) == []
 
 
 def test_a_folder_with_something_else_is_left_alone(tmp_path):
@@ -277,6 +333,43 @@ def test_a_record_that_says_nothing_of_use_is_damaged(changes, finished):
     for ask in (lambda: ex.open(finished.folder), lambda: ex.run(Coins, out=finished.folder, **SMALL)):
         with pytest.raises(ex.InputError, match=rf"run\.json: is damaged \({next(iter(changes))}"):
             ask()
+
+
+@pytest.mark.parametrize("key", ["seed", "samples", "chunk_size", "bias", "keep"])
+def test_another_number_among_the_options_is_told_and_makes_no_good_chunk_a_bad_one(key, finished):
+    path = finished.folder / "run.json"
+    record = json.loads(path.read_text())
+    record["options"][key] = "near" if key == "keep" else 2 * record["options"][key]
+    path.write_text(json.dumps(record))
+    before = contents(finished.folder)
+    for ask in (ex.open, lambda folder: ex.run(Coins, out=folder, **SMALL)):
+        with pytest.raises(ex.InputError, match=r"run\.json: is damaged .other options or chunks stand there"):
+            ask(finished.folder)
+    assert contents(finished.folder) == before
+
+
+@pytest.mark.parametrize("signed", [False, True])
+@pytest.mark.parametrize("command", ["status", "verify", "summary", "resume", "merge", "gallery"])
+def test_whatever_a_record_says_is_answered_in_words(command, signed, finished, capsys):
+    """Also where somebody has made the checksum of the options fit."""
+    path = finished.folder / "run.json"
+    right = path.read_text()
+    options = json.loads(right)["options"]
+    edits = [("options", {"a": 1}), ("chunks", 1e308), ("chunks", "1e6"), ("chunks", 0), ("started", float("inf"))]
+    edits += [("options", {**options, "samples": value}) for value in ("1e6", -1, [], None, 300)]
+    edits += [("options", {"scene": value}) for value in (3, None, "../x.py:E", "race-angles")]
+    edits += [(key, value) for key in ("from", "formats", "pictures", "arithmetic") for value in (3, "x", [3], {})]
+    for key, value in edits:
+        record = {**json.loads(right), key: value}
+        if signed:
+            record["check"] = store.sha256(json.dumps([record["options"], record["chunks"]], sort_keys=True))[:16]
+        path.write_text(json.dumps(record))
+        status, out, err = said(capsys, command, finished.folder, *[finished.folder] * (command == "merge"))
+        assert status in (0, 1, 2), (key, value)
+        assert out or err, (key, value)
+    for content in ("[" * 200_000, '{"a":' * 100_000):
+        path.write_text(content)
+        assert said(capsys, command, finished.folder)[0] == (0 if command == "gallery" else 2)
 
 
 @pytest.mark.parametrize("number", [2, 4])

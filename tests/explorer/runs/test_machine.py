@@ -47,3 +47,18 @@ def test_run_json_names_every_kind_that_computed_a_part_and_going_on_says_so(fin
     assert finished.resume(progress=True).summary["digest"] == before
     assert f"of this run: abacus; {arithmetic()}" in capsys.readouterr().err
     assert json.loads((finished.folder / "run.json").read_text())["arithmetic"] == ["abacus", arithmetic()]
+
+
+def test_a_run_names_the_arithmetic_of_whoever_made_a_chunk(finished, monkeypatch, capsys):
+    """Also of a run that was stopped, and of a worker that is no longer there."""
+    for number, kind in ((1, "abacus"), (3, "slide rule")):
+        finished.chunks[number].content.unlink()
+        monkeypatch.setattr(store, "arithmetic", lambda kind=kind: kind)
+        finished.resume(progress=False)
+    record = json.loads((finished.folder / "run.json").read_text())
+    assert record["arithmetic"] == ["abacus", "slide rule", arithmetic()]
+    store.write_json(finished.folder / "run.json", {**record, "arithmetic": []})
+    finished.resume()
+    assert f"of this run: abacus; slide rule; {arithmetic()}" in capsys.readouterr().err
+    assert json.loads((finished.folder / "run.json").read_text())["arithmetic"] == record["arithmetic"]
+    assert finished.verify() == []

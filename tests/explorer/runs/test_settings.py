@@ -72,3 +72,19 @@ def test_rng_is_a_seed_from_what_numpy_has():
     assert seeds[:2] == [7, 7]
     assert len({*seeds}) == 3
     assert max(seeds) < 2**128
+
+
+@pytest.mark.parametrize("scene", ["race-angles", "falling-set", "measure-zero"])
+def test_more_chunks_than_can_be_held_are_refused_with_a_size_that_works(scene):
+    """Nothing is counted one by one until the number of chunks is known to be small."""
+    for samples in (10**6 + 1, 10**9, 10**12):
+        for ask in (ex.plan, ex.run):
+            with pytest.raises(ex.InputError, match="at most 1,000,000 are held; give chunk_size") as refused:
+                ask(scene, samples=samples, chunk_size=1)
+        size = str(refused.value).partition("chunk_size ")[2].split()[0]
+        assert asked(scene, {"samples": samples, "chunk_size": size})[0].chunks <= 1_000_000
+
+
+def test_more_starts_than_can_be_held_are_refused():
+    with pytest.raises(ex.InputError, match="at most 1,000,000 are held; give fewer samples"):
+        ex.plan("one-sided", samples=1e12)

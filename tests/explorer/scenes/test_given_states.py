@@ -413,6 +413,23 @@ def test_a_folder_of_parquet_is_one_table_and_so_are_the_chunks_of_a_run(columns
         GivenStates.of("states", tmp_path / "empty")
 
 
+@pytest.mark.parametrize("rows", [500, 100, 900])
+@pytest.mark.parametrize("folder", [False, True])
+def test_states_are_those_of_the_file_that_the_run_began_with(columns, folder, rows, tmp_path):
+    """A file that is replaced while a run reads it piece by piece is refused, whatever it holds."""
+    (tmp_path / "states").mkdir()
+    path, new = tmp_path / "states" / "a.parquet", tmp_path / "new.parquet"
+    pyarrow.parquet.write_table(pyarrow.table(columns), path, row_group_size=100)
+    other = {name: np.resize(values[::-1], rows) for name, values in columns.items()}
+    pyarrow.parquet.write_table(pyarrow.table(other), new, row_group_size=100)
+    found = GivenStates.of("states", path.parent if folder else path)
+    assert len(found.read(DISK, 0, 100).states) == 100
+    new.replace(path)
+    for first in (0, 100, 400):
+        with pytest.raises(ex.InputError, match=r"was changed or replaced meanwhile|cannot be read"):
+            found.read(DISK, first, 100)
+
+
 @pytest.mark.parametrize("kind", [float, object])
 def test_a_row_of_a_frame_is_a_table_of_one_row(kind):
     frame = pd.DataFrame({"tilt": [0.5, 0.6], "precession": [1.0, 2.0], "spin": [3.0, 4.0]}).astype(kind)

@@ -62,7 +62,9 @@ def test_its_folder_remembers_where_it_came_from(capsys, tmp_path, monkeypatch):
     (chunk,) = (folder / "chunks").glob("*.parquet")
     chunk.unlink()
     assert said(capsys, "verify", folder)[0] == 1
-    assert said(capsys, "resume", folder, "--backend", "processes")[0] == 0
+    status, _, err = said(capsys, "resume", folder)
+    assert (status, "give trust" in err) == (2, True)
+    assert said(capsys, "resume", folder, "--trust", "--backend", "processes")[0] == 0
     assert json.loads((folder / "summary.json").read_text()) == summary
     field = ex.open(folder).arrow().schema.field("period")
     assert field.metadata[b"unit"] == b"time"
@@ -292,29 +294,31 @@ def test_without_its_file_a_run_is_read_and_goes_on_where_the_file_is_now(capsys
     summary = ex.open(folder).summary
     (moved := tmp_path / "elsewhere" / "own_scene.py").parent.mkdir()
     file.rename(moved)
+    monkeypatch.setattr(scenes, "_own", {})
+    sys.modules.pop("own_scene")
     next((folder / "chunks").iterdir()).unlink()
     for command in ("resume", "summary"):
-        status, _, err = said(capsys, command, folder)
+        status, _, err = said(capsys, command, folder, "--trust")
         assert status == 2
         assert "the file is gone; put it back, or" in err
     assert "nearflat run NEW.py:Periods ... --resume --out DIR" in err
-    monkeypatch.setattr(scenes, "_own", {})
-    sys.modules.pop("own_scene")
     assert said(capsys, "run", f"{moved}:Periods", *words, "--resume")[0] == 0
     assert ex.open(folder).summary == summary
     assert said(capsys, "verify", folder)[0] == 0
 
 
-def test_a_summary_by_other_code_says_so(capsys, tmp_path, monkeypatch):
+def test_a_changed_scene_is_not_run_and_the_stored_summary_stays(capsys, tmp_path, monkeypatch):
     file, folder = tmp_path / "own_scene.py", tmp_path / "run"
     file.write_text(Path(EXAMPLE.removesuffix(":Periods")).read_text())
     assert said(capsys, "run", f"{file}:Periods", "--samples", "100", "--out", folder, "--no-figures")[0] == 0
+    before = (folder / "summary.json").read_bytes()
     file.write_text(file.read_text().replace('"mean": mean', '"mean": 2 * mean'))
     monkeypatch.setattr(scenes, "_own", {})
     sys.modules.pop("own_scene")
-    status, _, err = said(capsys, "summary", folder)
-    assert status == 0
-    assert f"the summary is by what is here now: {file}:Periods was changed since" in err
+    status, _, err = said(capsys, "summary", folder, "--trust")
+    assert status == 2
+    assert f"{file}:Periods was changed since" in err
+    assert (folder / "summary.json").read_bytes() == before
 
 
 def test_a_scene_in_a_script_runs_in_processes_and_its_folder_can_be_checked(tmp_path, capsys):
