@@ -13,13 +13,17 @@ from typing import Any
 from explorer.errors import InputError, RunError, said, shown
 
 # How pages of nearflat begin, in Markdown and in HTML
-_MADE = re.compile(rb"(# .*\s+Made by `|<!doctype html>[^{]*<meta name=.generator. content=.)nearflat")
+_MADE = re.compile(rb"(?:# .*\s+Made by `|<!doctype html>[^{]*<meta name=.generator. content=.)nearflat( gal)?")
 
 
 def path_of(name: str, value: Any) -> Path:
     """Read a path: text that is not empty, or a Path; ~ at its beginning is a home folder. Raises InputError."""
     if not isinstance(value, str | os.PathLike) or not (text := os.fspath(value)) or "\0" in str(text):
         raise InputError(f"{said(name, value)} is no path; give text or a Path")
+    try:
+        str(text).encode()
+    except UnicodeEncodeError:  # Arrow takes no other
+        raise InputError(f"{said(name, value)}: is no UTF-8, as paths must be; give another") from None
     path = Path(value)
     if not str(path).startswith("~"):
         return path
@@ -59,7 +63,8 @@ def require_own(named: str, path: Path) -> None:
     path: of the page, or of its folder.
     """
     page = path / "README.md" if path.is_dir() else path
-    own = page.is_file() and _MADE.match(page.read_bytes())
+    made = _MADE.match(page.read_bytes()) if page.is_file() else None
+    own = made and not (path.is_dir() and made[1])  # what a gallery lists may be anybody's
     if not own and (any(path.iterdir()) if path.is_dir() else path.exists()):
         raise InputError(f"{named}: holds what nearflat has not made; give another name")
 

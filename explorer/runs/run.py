@@ -435,15 +435,16 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
     folders.write_record(folder, scene, how)
     compiled.warmup(scene.kernels, say)  # takes long; what is stopped now can be resumed
     with stopping(settings.onward) as stop:
-        deque(_computed(scene, settings, missing, stop) if missing else (), maxlen=0)
-        how |= {"chunks_computed": len(missing), "seconds_for_chunks": round(time.monotonic() - clock, 3)}
         run, summary = Run(scene, folder=folder), folder / "summary.json"
         try:
+            deque(_computed(scene, settings, missing, stop) if missing else (), maxlen=0)
             found = store.as_json(run.summary)
-        except RunError:
-            if not run.status.status.get("ok"):  # nothing came of it: the command, mended, may use the folder
-                folders.remove(folder)
+        except (InputError, RunError) as error:
+            far = run.status
+            if not far.status.get("ok") and (isinstance(error, InputError) or far.chunks_done == far.chunks):
+                folders.remove(folder)  # nothing comes of it: the command, mended, may use the folder
             raise
+        how |= {"chunks_computed": len(missing), "seconds_for_chunks": round(time.monotonic() - clock, 3)}
         if summary.is_file() and summary.read_bytes() != found:
             folders.remove_pictures(folder, known["pictures"])  # of fewer samples
         store.write_json(summary, run.summary)

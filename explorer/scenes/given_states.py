@@ -24,6 +24,7 @@ from explorer import compiled
 from explorer.errors import InputError, double_of, number, said, shorten
 from explorer.paths import path_of
 from explorer.phase.columns import COLUMNS
+from explorer.phase.constants import constants
 from explorer.phase.coordinates import CHARTS, KNOWN, Chart, angle_unit, recognise
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, States
@@ -190,7 +191,7 @@ class GivenStates:
             table = {name: values[first : first + count] for name, values in self.columns.items()}
         states = self.chart.states(disk, table, self.degrees, quiet)
         known = coordinates_of(states)
-        self._refuse_contradictions(disk, self.chart, table, known, first)
+        self._refuse_contradictions(disk, self.chart, table, states, first)
         # Those that were given stay as they are, to the last digit and also where they are no state. Others, and
         # those in degrees, must not come back under names that have a meaning here.
         kept = {} if self.degrees else {name: table[name] for name in self.chart.present(table)}
@@ -198,26 +199,32 @@ class GivenStates:
         exact = {name: kept.pop(name) for name in COORDINATES if name in kept}
         return Block(states, row | known | exact, kept | own)
 
-    def _refuse_contradictions(self, disk: Disk, chart: Chart, table: Columns, known: Columns, first: int) -> None:
+    def _refuse_contradictions(self, disk: Disk, chart: Chart, table: Columns, states: States, first: int) -> None:
         """Raise InputError where the table says other states too, but for mirror images."""
+        found = constants(states)
+        # sigma3_bar and sigma4_bar differ between mirror images, which other charts do not tell apart.
+        names = ("sigma3_bar", "sigma4_bar", "energy") if "sigma3_bar" in chart.names else ("energy",)
+        known = coordinates_of(states) | {name: getattr(found, name) for name in names}
         others = [other for other in CHARTS if {*other.names} - {"face", "tilt_rate"} <= {*table}]
         used = {name for each in (chart, *others) for name in each.names}
-        for other in (*others, None):  # None: coordinates whose sets are not complete
-            lone = tuple(name for name in COORDINATES if name in table and name not in used)
+        for other in (*others, None):  # None: what belongs to no complete set
+            lone = tuple(name for name in known if name in table and name not in used)
             sets = chart.present(table), other.present(table) if other else lone
             if other is chart or any(table[name].dtype.kind not in "iuf" for name in sets[1]):
                 continue
             if other:
-                seen = coordinates_of(other.states(disk, table, self.degrees, True))
+                seen = known | coordinates_of(other.states(disk, table, self.degrees, True))
                 if not all(_SPEEDS & {*each} for each in sets):
                     seen["phidot"] = known["phidot"]  # only one of them says it
             else:
                 seen = known | {name: table[name] * angle_unit(name, self.degrees) for name in lone}
             size = sum(abs(part[name]) for part in (known, seen) for name in COORDINATES[1:])
-            near: dict[str, Any] = {"phi": _AGREE, **dict.fromkeys(COORDINATES[1:], _AGREE * size)}
+            both: dict[str, Any] = {name: abs(known[name]) + abs(seen[name]) for name in known}
+            near = {name: _AGREE * (values + size) for name, values in both.items()}
+            near |= {"phi": _AGREE, "energy": _AGREE * both["energy"]}
             if "energy" in sets[0] + sets[1]:  # of whose digits a rate has half
                 near["phidot"] = math.sqrt(_AGREE) * (size + disk.rate_unit)
-            for name in COORDINATES:
+            for name in known:
                 one, two = (abs(x[name]) if name in ("phi", "phidot") else x[name] for x in (known, seen))
                 off = np.flatnonzero(abs(one - two) > near[name])
                 if off.size:
@@ -240,13 +247,15 @@ class GivenStates:
         return _read(table, chart, self.what, first)
 
     def told(self, rows: list[int]) -> list[str]:
-        """Rows by number, each with the columns in which it has no number."""
+        """Rows by number, each with those of its cells, as they are written, that hold no number."""
         given = self.opened
         if given.chart is None:
             return list(map(str, rows))
         columns = given._piece(given.chart, 0, max(rows) + 1) if given.columns is None else given.columns
-        empty = {row: [n for n in given.chart.present(columns) if math.isnan(columns[n][row])] for row in rows}
-        return [f"{row} (no {', '.join(names)})" if names else f"{row}" for row, names in empty.items()]
+        names = given.chart.present(columns)
+        texts = _csv(given.path, names)[0] if given.path and given.columns else columns
+        cells = [[f"{n} {str(texts[n][row])!r}" for n in names if math.isnan(columns[n][row])] for row in rows]
+        return [f"{row} ({', '.join(at)})" if at else f"{row}" for row, at in zip(rows, cells, strict=True)]
 
 
 def coordinates_of(states: States) -> Columns:
@@ -310,8 +319,11 @@ def _table(given: Any, what: str) -> "pa.Table":
         ) from None
 
 
-def _csv(path: Path) -> tuple["pa.Table", str]:
-    """A CSV file, with commas, semicolons, tabs or spaces, and its decimal point; # and % begin comments."""
+def _csv(path: Path, texts: Collection[str] = ()) -> tuple["pa.Table", str]:
+    """A CSV file, with commas, semicolons, tabs or spaces, and its decimal point; # and % begin comments.
+
+    texts: columns whose cells are left as they are written.
+    """
     import pyarrow as pa
     from pyarrow import csv
 
@@ -340,7 +352,8 @@ def _csv(path: Path) -> tuple["pa.Table", str]:
     how = csv.ReadOptions(use_threads=False, block_size=min(len(whole) + 1, 2**31 - 1), skip_rows=first)
     if commented:
         how.column_names = names
-    types = csv.ConvertOptions(decimal_point=point, null_values=missing)
+    types = csv.ConvertOptions(decimal_point=point, null_values=[] if texts else missing)
+    types.column_types = dict.fromkeys(texts, pa.string())
     table = csv.read_csv(pa.BufferReader(whole), how, csv.ParseOptions(delimiter=separator), types)
     return table.rename_columns([name.strip() for name in table.column_names]), point
 

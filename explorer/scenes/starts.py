@@ -7,9 +7,10 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from explorer import compiled
-from explorer.errors import InputError, RunError
+from explorer.errors import InputError
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, Range, Ranges, Stream, box_of, in_radians, numbered_stream, signs
+from explorer.measure.tallies import count_status
 from explorer.phase.disk import SYNTAX, Disk, require_axial_inertia
 from explorer.phase.states import Array, States
 from explorer.scenes.given_states import Block, GivenStates, coordinates_of
@@ -111,8 +112,11 @@ class FromStates(FromDensity):
         super().__post_init__()
         if self.states is not None and self.samples > self.states.rows:
             raise InputError(f"samples {self.samples}: states holds {self.states.rows}; leave samples out")
-        if self.states is not None and self.states.chart is not None:  # what contradicts itself is refused
-            self.states.read(self.disk, 0, min(self.samples, self.block), quiet=False)
+        if self.states is not None and self.states.chart is not None:
+            # What contradicts itself, or is no state at all, is refused before anything is written.
+            first = self.states.read(self.disk, 0, min(self.samples, self.block), quiet=False)
+            if len(first.states) == self.samples:
+                self.states_among(count_status(first.states.status))
         made = None if self.states is None else self.states.states
         if made is not None and made.disk != self.disk:
             raise InputError(
@@ -148,10 +152,10 @@ class FromStates(FromDensity):
         return self.box.states(self.disk, self.draw(numbered_stream(seed, 0), count))
 
     def states_among(self, status: Mapping[str, int]) -> int:
-        """How many samples are states; the others are bad input, and in no statistic. Raises RunError for 0."""
+        """How many samples are states; the others are bad input, and in no statistic. Raises InputError for 0."""
         count = sum(status.values()) - status.get("bad_input", 0)
         if not count:
-            raise RunError(
+            raise InputError(
                 f"{self.name}: none of {self.samples:,} samples is a state; give finite numbers, rates below 1e75 "
                 "natural units, phi between -pi/2 and pi/2, tilt between 0 and pi; set degrees if they are degrees"
             )

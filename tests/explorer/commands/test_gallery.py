@@ -94,3 +94,13 @@ def test_a_gallery_is_written_where_it_is_asked_for(tmp_path, capsys):
     assert main(["gallery", str(tmp_path)]) == 0
     assert "mine/one.png" in (tmp_path / "README.md").read_text(encoding="utf-8")
     assert str(tmp_path / "README.md") in capsys.readouterr().out
+
+
+def test_the_page_of_a_gallery_lets_no_command_write_over_what_it_lists(tmp_path, capsys):
+    mine = tmp_path / "definitions.png"
+    mine.write_bytes(b"mine")
+    assert main(["gallery", str(tmp_path)]) == 0
+    assert main(["portrait", "--only", "definitions", "--out", str(tmp_path), "--quiet"]) == 2
+    assert "holds what nearflat has not made" in capsys.readouterr().err
+    assert mine.read_bytes() == b"mine"
+    assert main(["gallery", str(tmp_path)]) == 0

@@ -223,11 +223,30 @@ def test_a_run_without_one_good_sample_leaves_no_folder(scene, tmp_path):
     for folder in (tmp_path / "new", tmp_path / "mine"):
         there = folder.exists()
         how = {"states": TABLE, "out": folder, "exist": "error", "figures": False, "progress": False}
-        with pytest.raises(ex.RunError, match="none of 2 samples is a state"):
+        with pytest.raises(ex.InputError, match="none of 2 samples is a state"):
             ex.run(scene, **how)
         assert folder.exists() == there
         assert ex.run(scene, **how, degrees=True).verify() == []
     assert mine.exists()
+
+
+@pytest.mark.filterwarnings("ignore:tilt. all tilts lie beyond upright")
+def test_a_run_is_replaced_only_by_one_of_states(tmp_path):
+    how = {"out": tmp_path / "run", "figures": False, "progress": False}
+    before = ex.run("race-angles", **how, states=TABLE, degrees=True)
+    (before.folder / "notes.txt").touch()
+    with pytest.raises(ex.InputError, match="none of 2 samples is a state"):
+        ex.run("race-angles", **how, states=TABLE, exist="replace")
+    assert ex.open(before.folder).verify() == []
+    assert ex.run("race-angles", **how, states=TABLE, degrees=True, exist="replace").verify() == []
+
+
+def test_a_run_whose_samples_cannot_be_computed_leaves_no_folder(tmp_path):
+    how = {"samples": 100, "out": tmp_path / "run", "figures": False, "progress": False}
+    with pytest.raises(ex.InputError):
+        ex.run("one-sided", box="phidot=0,sigma3=1e80:1e81", **how)
+    assert not how["out"].exists()
+    assert ex.run("one-sided", **how).verify() == []
 
 
 def test_a_run_that_the_disk_has_no_room_for_is_refused_with_both_sizes(tmp_path, monkeypatch):
@@ -307,10 +326,10 @@ def test_without_flock_no_file_is_left_that_would_keep_the_next_run_out(finished
 def test_other_faults_of_syncing_and_locking_end_the_run(tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(os, "fsync", failing(os.fsync, errno.EIO, is_folder))
-        with pytest.raises(OSError, match=os.strerror(errno.EIO)):
+        with pytest.raises(ex.RunError, match=os.strerror(errno.EIO)):
             ex.run(Coins, out=tmp_path / "new", **SMALL)
     monkeypatch.setattr(filelock.FileLock, "acquire", failing(filelock.FileLock.acquire, errno.EIO))
-    with pytest.raises(OSError, match=r"\.lock"):
+    with pytest.raises(ex.RunError, match=r"\.lock"):
         ex.run(Coins, out=tmp_path / "new", **SMALL)
 
 

@@ -332,11 +332,22 @@ def test_a_second_tilt_beside_phi_is_refused():
         GivenStates.of("states", {key: [0.3] for key in (*NAMES, "tilt")})
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_a_coordinate_without_the_rest_of_its_set_agrees_with_the_state_or_is_refused(name):
+def test_a_constant_beside_the_others_agrees_with_these_or_is_refused():
+    given = {"phidot": [0.3, 0.3], "sigma3_bar": [1.0, 1.2], "eta_hat": [1e-3, 1e-3]}
+    states = ex.constants_to_states(DISK, **given)
+    for name in ("sigma4_bar", "energy"):
+        values = getattr(ex.constants(states), name).copy()
+        assert GivenStates.of("states", given | {name: values}).read(DISK, 0, 2).states.ok.all()
+        values[1] += 0.1
+        with pytest.raises(ex.InputError, match=f"row 1: {name} is by .*leave one set out"):
+            GivenStates.of("states", given | {name: values}).read(DISK, 0, 2)
+
+
+@pytest.mark.parametrize("name", [*NAMES, "energy"])
+def test_a_coordinate_or_the_energy_without_the_rest_of_its_set_agrees_with_the_state_or_is_refused(name):
     given = {"tilt": [0.2, 0.3], "precession": [3.0, 3.0], "spin": [1.0, 1.0]}
     states = ex.rates_to_states(DISK, **given)
-    values = getattr(states, name).copy()
+    values = getattr(states if name in NAMES else ex.constants(states), name).copy()
     assert GivenStates.of("states", given | {name: values}).read(DISK, 0, 2).states.ok.all()
     values[1] += 0.1
     with pytest.raises(ex.InputError, match=f"row 1: {name} is by tilt, .*, by {name} .*leave one set out"):
@@ -379,15 +390,15 @@ def test_a_column_of_a_frame_is_told_from_a_row():
         GivenStates.of("states", frame["tilt"])
 
 
-def test_rows_without_numbers_are_told_with_the_columns_that_have_none(tmp_path, capsys):
+def test_rows_without_numbers_are_told_with_their_cells_as_they_are_written(tmp_path, capsys):
     table = "tilt,tilt_rate,precession,spin\n0.2,0,1,1\nN/A,-,n/a,1\n9.0,0,1,1\n0.3,0,1,1\n"
     (tmp_path / "some.csv").write_text(table)
     where = ("--states", tmp_path / "some.csv", "--out", tmp_path / "run")
     status, out, _ = said(capsys, "run", "falling-set", *where, "--no-figures", "--quiet")
     assert status == 0
-    assert "row 1 (no tilt, tilt_rate, precession), 2\n" in out
+    assert "row 1 (tilt 'N/A', tilt_rate '-', precession 'n/a'), 2\n" in out
     run = ex.run("falling-set", states={"tilt": [0.2, None], "precession": [1, 1], "spin": [1, 1]})
-    assert "row 1 (no tilt)" in run.headline[-1]
+    assert "row 1 (tilt 'nan')" in run.headline[-1]
 
 
 def test_a_folder_of_parquet_is_one_table_and_so_are_the_chunks_of_a_run(columns, tmp_path):

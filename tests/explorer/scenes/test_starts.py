@@ -171,7 +171,7 @@ def test_a_row_that_is_no_state_is_in_no_statistic_and_counted_apart(kind):
     ],
 )
 def test_where_no_row_is_a_state_the_run_says_so(kind, options, message):
-    with pytest.raises(ex.RunError, match=f"{kind.name}: {message}"):
+    with pytest.raises(ex.InputError, match=f"{kind.name}: {message}"):
         ex.run(kind.name, **options)
 
 
