@@ -300,7 +300,7 @@ def _table(given: Any, what: str) -> "pa.Table":
 
 
 def _csv(path: Path) -> tuple["pa.Table", str]:
-    """A CSV file, with commas, semicolons, tabs or spaces, and its decimal point. Lines with # or % are comments."""
+    """A CSV file, with commas, semicolons, tabs or spaces, and its decimal point; # and % begin comments."""
     import pyarrow as pa
     from pyarrow import csv
 
