@@ -189,7 +189,6 @@ def summaries():
     asked = dict.fromkeys(NAMES, few) | {
         "one-sided": {**few, "samples": 1, "disk": "hoop"},
         "measure-zero": {**few, "tube": 512, "ladder": "1e-7:1e-1"},
-        "portrait": {"progress": False},
     }
     rows = []
     for name in NAMES:
