@@ -38,32 +38,6 @@ def test_a_scene_file_is_planned_as_it_would_run(tmp_path, capsys):
     assert "accuracy     0.0001" in out
 
 
-FACES = """
-from explorer.scenes import SampledScene
-
-
-class Faces(SampledScene):
-    "How often is the nearer face +1?"
-
-    observables = ("face",)
-
-    def draw(self, random, count):
-        return {"up": random.random(count) < 0.5}
-
-    def observe(self, drawn):
-        return {**drawn, "status": 0 * drawn["up"].astype("i1")}
-"""
-
-
-def test_a_scene_that_follows_no_motion_has_no_method_of_integration(tmp_path, capsys):
-    (tmp_path / "faces.py").write_text(FACES)
-    assert main(["plan", f"{tmp_path / 'faces.py'}:Faces", "--samples", "100", "--method", "dop853"]) == 0
-    out = capsys.readouterr().out
-    assert "method       algebra" in out
-    assert "quadrature" not in out
-    assert "dop853" not in out
-
-
 @pytest.mark.parametrize("line", ['eta_hat = "1e-2:1e-6"', "colour = 1", "samples = 0"])
 def test_a_scene_file_that_would_not_run_is_refused(line, tmp_path, capsys):
     file = tmp_path / "scene.toml"

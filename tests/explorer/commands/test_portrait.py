@@ -56,6 +56,7 @@ def test_other_groups_give_their_files_only(tmp_path, capsys):
         ("--disk hop", "did you mean 'hoop'"),
         ("--disk I1=0.25,I3=0", "I3 = 0"),
         ("--only phase --energy 2:1", "energy"),
+        ("--only phase --energy 1:1", "empty"),
         ("--only phase --energy far", "energy"),
         ("--only phase --energy -2:-1", "no motion has an energy below"),
         ("--only phase --sigma4-bar 0.1 --eta-hat 0.1", "leave one out"),

@@ -107,19 +107,3 @@ def test_levels_lie_in_the_range_of_energies_that_is_asked():
         assert np.all(np.diff(energies) > 0.0)
         assert energies[0] >= 0.5
         assert energies[-1] == 2.0
-
-
-@pytest.mark.parametrize(
-    ("asked", "words"),
-    [
-        ({"energy": (2.0, 1.0)}, "energies"),
-        ({"energy": (1.0, 1.0)}, "empty"),
-        ({"energy": (-2.0, -1.0)}, "no motion has an energy below"),
-        ({"sigma4_bar": 0.1, "eta_hat": 0.1}, "leave one out"),
-        ({"sigma3_bar": math.nan}, "sigma3_bar"),
-        ({"disk": ex.Disk(I1=0.25, I3=0.0)}, "I3 = 0"),
-    ],
-)
-def test_what_has_no_portrait_is_refused_by_name(asked, words):
-    with pytest.raises(ex.InputError, match=words):
-        Portrait(**{"disk": UNIFORM, **asked})
