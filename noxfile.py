@@ -87,6 +87,14 @@ def lowest(session):
 
 
 @nox.session(default=False)
+def next(session):
+    """The suite with the next releases of numba, NumPy and SciPy, also of those that are not allowed yet."""
+    session.install("--editable", ".[test]")
+    session.install("--pre", "--upgrade", "numba", "numpy", "scipy")
+    session.run("python", "-m", "pytest", *session.posargs)
+
+
+@nox.session(default=False)
 def probability(session):
     """Intervals of `ex.probability` in 100 repetitions, and its agreement with 10^7 plain draws."""
     session.install("--editable", ".[test]")

@@ -35,9 +35,8 @@ if TYPE_CHECKING:
     from kernels.disk import counting as counting
     from kernels.disk import falling as falling
     from kernels.disk import field as field
-    from kernels.disk import philox as philox
+    from kernels.disk import membership as membership
     from kernels.disk import polynomials as polynomials
-    from kernels.disk import sifting as sifting
     from kernels.near_flat import passages as passages
     from kernels.near_flat import tables as tables
     from kernels.steps import attempt as attempt

@@ -1,8 +1,8 @@
 """The compiled layer of nearflat: numbers in, numbers out.
 
-No kernel reads a file, prints or raises; a failed sample carries a :class:`kernels.status.Status`. Random numbers
-are counters turned into numbers (:mod:`kernels.disk.philox`): the caller says which. Where numba is called, in
-:mod:`kernels._jit`, the cache of compiled code is kept; and tableaux check their own order when they are loaded.
+No kernel reads a file, prints, draws or raises; a failed sample carries a :class:`kernels.status.Status`. Where
+numba is called, in :mod:`kernels._jit`, the cache of compiled code is kept; and tableaux check their own order
+when they are loaded.
 
 Every quantity is in the disk's natural units: length r, time sqrt(r/g), mass m, so that
 m = r = g = 1. ``explorer`` converts. "eq. (n.m)" is the number in Cushman & Duistermaat,

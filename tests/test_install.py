@@ -2,10 +2,12 @@
 
 import ast
 import importlib.metadata
+import os
 import re
 import subprocess
 import sys
 import tomllib
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -56,3 +58,29 @@ def test_a_demo_writes_where_git_does_not_look():
     assert told.stdout.strip() == f"{folder}/README.md"
     tracked = subprocess.run(["git", "-C", ROOT, "ls-files", folder], capture_output=True, text=True, check=True)
     assert not tracked.stdout
+
+
+ONE_PACKAGE = "import nearflat, explorer; assert nearflat is explorer; print(nearflat.Disk.uniform().kappa)"
+
+
+def test_nearflat_is_imported_by_its_own_name_where_it_is_edited(tmp_path):
+    said = subprocess.run([sys.executable, "-c", ONE_PACKAGE], cwd=tmp_path, capture_output=True, text=True)
+    assert (said.stdout, said.stderr) == (f"{5**0.5}\n", "")
+
+
+def test_nearflat_is_imported_by_its_own_name_from_a_wheel(tmp_path):
+    command = [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", tmp_path]
+    subprocess.run(command, cwd=ROOT, capture_output=True, check=True)
+    (wheel,) = tmp_path.glob("*.whl")
+    with zipfile.ZipFile(wheel) as packed:
+        packed.extractall(tmp_path / "site")
+    # Packages of the path come before those that are installed.
+    said = subprocess.run(
+        [sys.executable, "-c", f"{ONE_PACKAGE}; print(nearflat.__file__)"],
+        env={**os.environ, "PYTHONPATH": str(tmp_path / "site")},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
+    assert said.stderr == ""
+    assert said.stdout.split() == [str(5**0.5), str(tmp_path / "site" / "explorer" / "__init__.py")]

@@ -26,8 +26,8 @@ def run(scene: str | type[Scene], **options: Any) -> Run:
     Parameters
     ----------
     scene : str or type
-        "falling-set", "measure-zero", "one-sided", "portrait" or "race-angles"; or a scene of your own, by its
-        class, by "my.py:Scene" or, once it is registered, by its name.
+        "falling-set", "measure-zero", "one-sided" or "race-angles"; or a scene of your own, by its class, by
+        "my.py:Scene" or, once it is registered, by its name.
 
     Returns
     -------

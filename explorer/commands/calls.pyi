@@ -24,7 +24,7 @@ class Keywords(TypedDict, total=False):
     keep: Literal['none', 'near', 'all']
     chunk_size: int | float | str
     box: str | Box | Mapping[str, tuple[float, float]]
-    energy: str | tuple[float | None, float | None] | float | tuple[float, float]
+    energy: str | tuple[float | None, float | None]
     gaussian: str | Mapping[str, tuple[float, float]]
     density: Callable[..., Array]
     degrees: bool
@@ -35,8 +35,6 @@ class Keywords(TypedDict, total=False):
     ladder: str | tuple[float, float]
     tube: int | float | str
     eta_hat: str | float | tuple[float, float]
-    sigma3_bar: float | str
-    sigma4_bar: float | str
     start: Literal['near', 'anywhere']
     bounces: int | float | str
     jobs: int | float | str
@@ -50,7 +48,7 @@ class Keywords(TypedDict, total=False):
     progress: bool
     rng: int | np.random.SeedSequence | np.random.Generator
 
-Known = Literal['falling-set', 'measure-zero', 'one-sided', 'portrait', 'race-angles']
+Known = Literal['falling-set', 'measure-zero', 'one-sided', 'race-angles']
 
 @overload
 def run(scene: Known, **options: Unpack[Keywords]) -> Run: ...

@@ -22,7 +22,7 @@ _TILTS, _SPEEDS = ("phi", "theta", "tilt"), ("phidot", "thetadot", "tilt_rate", 
 # Shares of a distribution below its nodes, and by symmetry above: a third of them in its middle, the others
 # where it is as thin as a tail that the falling set may need.
 _MIDDLE = np.linspace(0.02, 0.98, 25)
-_OF_FROZEN = "pdf", "ppf", "isf", "rvs", "support"  # those of scipy.stats that are not frozen have them, too
+_OF_FROZEN = "pdf", "ppf", "isf", "support"  # those of scipy.stats that are not frozen have them, too
 _LARGEST = 1e60  # nodes beyond are left out: energies would overflow
 _TAIL = 10.0 ** -np.geomspace(2, 300, 25)
 
@@ -67,10 +67,10 @@ class Coordinate:
         return self.law is not None
 
     def draw(self, random: Stream, count: int) -> Array:
-        """Independent values."""
+        """Independent values, from uniform doubles alone, which are the same in every release of NumPy."""
         if not self.free:
             return np.full(count, self.value)
-        return np.asarray(self.law.rvs(size=count, random_state=random), np.float64) * self.unit
+        return np.asarray(self.law.ppf(random.random(count)), np.float64) * self.unit
 
     def density(self, values: Array) -> Array:
         """Its density; 1 of a number."""
@@ -135,9 +135,6 @@ class Factor:
 
     density: Density
     name: str
-
-    def rvs(self, size: int, random_state: Stream) -> Array:
-        return self.ppf(random_state.random(size))
 
     def pdf(self, values: Array) -> Array:
         low, high = self.support()

@@ -70,10 +70,14 @@ class Ranges:
         """`count` states, uniform in these coordinates; one array for each."""
         free = self.free
         unit = dict(zip(free, random.random((len(free), count)), strict=True))
-        return {
-            name: low + (high - low) * unit[name] if name in unit else np.full(count, low)
-            for name, (low, high) in self.ranges.items()
-        }
+        columns = {name: unit.get(name, np.empty(count)) for name in self.ranges}
+        for name, (low, high) in self.ranges.items():
+            if name in unit:
+                columns[name] *= high - low
+                columns[name] += low
+            else:
+                columns[name][:] = low
+        return columns
 
     def states(self, disk: Disk, columns: Mapping[str, Array]) -> States:
         """The states with such coordinates."""

@@ -184,14 +184,18 @@ class LogHistogram:
 
     def count(self, values: Array, groups: Array | None = None) -> None:
         """Count the finite ones of numbers; none of a group that is not finite."""
-        groups = np.zeros(values.size) if groups is None else groups
         with np.errstate(divide="ignore"):
-            places = np.log10(abs(values)) * PER_DECADE
-        (low, high), (first, last) = _reach(groups), _reach(places)
-        new = _empty((high - low + 1, 2), last - first + 1, np.int32)
-        flat = (each.reshape(shape) for each, shape in zip(new, (-1, -1, (-1, 2)), strict=True))
-        compiled.counting.log_count_batch(compiled.counting.Sizes(values, places, groups), low, first, *flat)
-        vars(self).update(vars(self + LogHistogram(low, first, *new)))
+            places = np.log10(abs(values))
+        places *= PER_DECADE
+        low, high = (0, 0) if groups is None else _reach(groups)
+        first, last = _reach(places)
+        missing = self.groups.start > low or self.groups.stop <= high
+        if missing or self.first > first or self.first + self.counts.shape[2] <= last:
+            wider = self + LogHistogram(low, first, *_empty((high - low + 1, 2), last - first + 1))
+            vars(self).update(vars(wider))
+        sizes = compiled.counting.Sizes(values, places, np.zeros(values.size) if groups is None else groups)
+        flat = self.counts.reshape(-1), self.zeros.reshape(-1), self.ends.reshape(-1, 2)
+        compiled.counting.log_count_batch(sizes, self.lowest, self.first, *flat)
 
     def __add__(self, other: "LogHistogram") -> "LogHistogram":
         if not (self.groups and other.groups):
@@ -199,7 +203,7 @@ class LogHistogram:
         lowest, first = min(self.lowest, other.lowest), min(self.first, other.first)
         groups = max(self.groups.stop, other.groups.stop) - lowest
         bins = max(each.first + each.counts.shape[2] for each in (self, other)) - first
-        counts, zeros, ends = _empty((groups, 2), bins, np.int64)
+        counts, zeros, ends = _empty((groups, 2), bins)
         for each in (self, other):
             rows = slice(each.lowest - lowest, each.groups.stop - lowest)
             counts[rows, :, each.first - first :][..., : each.counts.shape[2]] += each.counts
@@ -268,9 +272,9 @@ class LogHistogram:
         return 0.5 * (high - low)
 
 
-def _empty(rows: tuple[int, int], bins: int, kind: Any) -> tuple[NDArray[Any], NDArray[np.int64], Array]:
+def _empty(rows: tuple[int, int], bins: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
     """Counts, zeros and ends of a `LogHistogram` in which there is nothing."""
-    return np.zeros((*rows, bins), kind), np.zeros(rows, np.int64), np.tile(NO_ENDS, (*rows, 1))
+    return np.zeros((*rows, bins), np.int64), np.zeros(rows, np.int64), np.tile(NO_ENDS, (*rows, 1))
 
 
 def _reach(places: Array) -> tuple[int, int]:

@@ -148,11 +148,6 @@ COLUMNS = {
     "distance_path": Column("Largest distance of the centre from that of the limit motion.", LENGTH),
     "distance_contact": Column("Largest distance of the contact point from that of the limit motion.", LENGTH),
     "chi_between": Column("chi half-way between the first two impacts.", ANGLE),
-    "piece": Column(
-        "Index of the connected piece of the level curve, which is the set of all states of one energy.",
-        kind=COUNT,
-    ),
-    "falls": Column("Whether motions on this piece fall flat.", kind=TRUTH),
     "row": Column("Row of the given states, counted from 0.", kind=COUNT),
     "bounce": Column("Number of the approach to flat since the given state, counted from 0.", kind=COUNT),
 }

@@ -316,8 +316,9 @@ def recognise(names: Collection[str], what: str = "states") -> Chart:
 
     what: how the message calls the table. Raises InputError, with the charts, where no chart is complete.
     """
-    alike = {_spelt(name): name for name in KNOWN if name not in names}
-    meant = {name: alike[_spelt(name)] for name in names if _spelt(name) in alike}
+    strange = {name: _spelt(name) for name in names if name not in KNOWN}
+    alike = {_spelt(name): name for name in KNOWN if strange and name not in names}
+    meant = {name: alike[spelt] for name, spelt in strange.items() if spelt in alike}
     for chart in CHARTS:
         if set(chart.needed) <= set(names):
             complete = {name for each in CHARTS if set(each.needed) <= set(names) for name in each.names}

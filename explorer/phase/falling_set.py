@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.energy import energy_at_flat
+from explorer.phase.linear_constants import Motion
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
 
@@ -138,8 +139,42 @@ def barrier(disk: Disk, sigma3_bar: Array, term: str = "V") -> Array:
     return found
 
 
+class Location(NamedTuple):
+    """Where states (n) are relative to F: the nearer face, eta there (natural units), and as `Falls` says."""
+
+    face: NDArray[np.int8]
+    eta: Array
+    could: NDArray[np.bool_]
+    could_plus: NDArray[np.bool_]
+    could_minus: NDArray[np.bool_]
+    on_f: NDArray[np.bool_]
+    status: NDArray[np.int8]
+
+
+def located(states: States) -> Location:
+    """Where states are relative to F. Needs I3 > 0."""
+    require_axial_inertia(states.disk)
+    disk, bits, code = states.disk, compiled.membership, compiled.status.Status
+    given, codes = states.given is not None, np.empty(len(states), np.int8)
+    rows = np.stack(states.motion) if given else np.empty((len(Motion._fields), len(states)))
+    bits.membership_batch(states.natural, given, obstacle(disk), disk.whole, disk.natural, rows, codes)
+    motion = vars(states).setdefault("motion", states.of_motion(Motion(*rows)))  # which need not be found again
+    codes[states.status == code.BAD_INPUT] = bits.PLUS
+    plus, could, on_f, could_plus, could_minus = (
+        (codes & bit) != 0 for bit in (bits.PLUS, bits.COULD, bits.ON_F, bits.COULD_PLUS, bits.COULD_MINUS)
+    )
+    status = np.where(on_f & could & (states.status == code.OK), np.int8(code.FALLS), states.status)
+    face = np.where(plus, np.int8(1), np.int8(-1))
+    return Location(face, motion.eta(plus), could, could_plus, could_minus, on_f, status)
+
+
 # What this file and the constants of states call, for `compiled.warmup`.
-KERNELS = "algebra.constants_batch", "falling.barrier_batch", "falling.critical_X2_batch", "falling.falls_batch"
+KERNELS = (
+    "algebra.constants_batch",
+    "falling.barrier_batch",
+    "falling.critical_X2_batch",
+    "membership.membership_batch",
+)
 
 
 def falls(states: States) -> Falls:
@@ -171,34 +206,23 @@ def falls(states: States) -> Falls:
     >>> found.could_fall
     array([ True, False])
     """
-    disk, code = require_states(states).disk, compiled.status.Status
-    require_axial_inertia(disk)
-    b, motion, out = disk.body, states.motion, np.empty((3, len(states)))
-    compiled.falling.falls_batch(
-        states.natural, motion.sigma3_bar, motion.energy, obstacle(disk), disk.natural, out
-    )
-    members = compiled.falling.Membership(*out)
+    disk = require_states(states).disk
+    b, here, motion = disk.body, located(states), states.motion
     norm = disk.rate_unit / np.hypot(b.I1 * b.dr0, b.I3 * b.r0)
-    could_plus, could_minus = members.plus > 0.0, members.minus > 0.0
     with np.errstate(invalid="ignore"):
-        on_plus = abs(motion.eta_plus) <= motion.rounding_plus
-        on_minus = abs(motion.eta_minus) <= motion.rounding_minus
-        near_plus = np.where(on_plus & on_minus & (could_plus ^ could_minus), could_plus, motion.nearer_plus)
-        eta, could = motion.eta(near_plus), np.where(near_plus, could_plus, could_minus)
-        estimate = abs(eta) / np.sqrt(2.0 * b.I1 * np.where(could, members.excess, np.nan))
-    on_f = np.where(near_plus, on_plus, on_minus)
-    falling = on_f & could & (states.status == code.OK)
+        excess = np.where(here.could, motion.energy - energy_at_flat(b, motion.sigma3_bar), np.nan)
+        estimate = abs(here.eta) / np.sqrt(2.0 * b.I1 * excess)
     found = Falls(
-        face=np.where(near_plus, 1, -1).astype(np.int8),
-        distance=eta * norm,
+        face=here.face,
+        distance=here.eta * norm,
         distance_plus=motion.eta_plus * norm,
         distance_minus=motion.eta_minus * norm,
-        could_fall=could,
-        could_fall_plus=could_plus,
-        could_fall_minus=could_minus,
-        on_f=on_f,
+        could_fall=here.could,
+        could_fall_plus=here.could_plus,
+        could_fall_minus=here.could_minus,
+        on_f=here.on_f,
         theta_min_estimate=estimate,
-        status=np.where(falling, code.FALLS, states.status).astype(np.int8),
+        status=here.status,
         states=states,
     )
     return found.reshaped(states.shape)

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from explorer.errors import InputError, number, shown, sign
+from explorer.errors import InputError, number, said, shown, sign
 from explorer.phase.arguments import column, read_range
 from explorer.phase.disk import LARGEST_RATE, Disk, require_axial_inertia
 from explorer.phase.energy import energy_at, energy_at_flat, eta_hat_to_eta
@@ -404,7 +404,7 @@ def potential(
         hat = 0.0 if eta_hat is None else _constant("eta_hat", eta_hat) / disk.rate_unit
         return Potential(disk, bar, hat, sign("face", face))
     if eta_hat is not None:
-        raise InputError("eta_hat and sigma4_bar say the same; leave out one")
+        raise InputError(f"{said('eta_hat', eta_hat)}, sigma4_bar: set the same quantity; leave one out")
     spin, slope = _constant("sigma4_bar", sigma4_bar) / disk.rate_unit, line_slope(disk)
     nearer = 1 if nearer_plus(np.array(slope * bar - spin), np.array(slope * bar + spin)) else -1
     hat = slope * bar - nearer * spin

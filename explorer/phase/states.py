@@ -6,6 +6,7 @@ Users give (phi, phidot, sigma3, sigma4) in the units of the disk; kernels take
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -133,9 +134,11 @@ class States(WithStatus):
     @cached_property
     def motion(self) -> Motion:
         """The motions through the states (natural units), as flat arrays; NaN for bad input."""
-        motion = motion_through(self.disk, self.natural)
-        if self.given is not None:
-            motion = self.given._replace(energy=motion.energy)
+        return self.of_motion(motion_through(self.disk, self.natural))
+
+    def of_motion(self, computed: Motion) -> Motion:
+        """The motions, of which these were computed: what was given instead of states, and NaN for bad input."""
+        motion = computed if self.given is None else self.given._replace(energy=computed.energy)
         bad = self.status == compiled.status.Status.BAD_INPUT
         return Motion(*(np.where(bad, np.nan, column) for column in motion)) if bad.any() else motion
 
@@ -273,14 +276,26 @@ def _states(disk: Disk, columns: tuple[Array, ...], good: NDArray[np.bool_], sha
         np.divide(p, unit, out=row.p)
         np.divide(sigma3, q * unit, out=row.rho)
         np.divide(sigma4, unit, out=row.sigma4)
-        rates = row.p, row.rho * q, row.sigma4
-    # NaN fails the comparison as well. rho may be large near flat.
-    good &= np.all([abs(rate) < LARGEST_RATE for rate in rates], axis=0) & np.isfinite(row.rho)
-    # A placeholder keeps the kernels away from values that mean nothing; the status says so.
-    natural[:, ~good] = 0.0
-    row.q[~good] = 1.0
-    status = np.where(good, compiled.status.Status.OK, compiled.status.Status.BAD_INPUT)
-    return States(disk, natural, status.astype(np.int8), shape=shape)
+        # NaN fails the comparison as well. rho may be large near flat.
+        for rate in (row.p, row.rho * q, row.sigma4):
+            good &= abs(rate) < LARGEST_RATE
+    good &= np.isfinite(row.rho)
+    bad = ~good
+    if bad.any():
+        # A placeholder keeps the kernels away from values that mean nothing; the status says so.
+        natural[:, bad] = 0.0
+        row.q[bad] = 1.0
+    code = compiled.status.Status
+    return States(disk, natural, np.where(good, np.int8(code.OK), np.int8(code.BAD_INPUT)), shape=shape)
+
+
+def joined_states(parts: Sequence[States]) -> States:
+    """Some states of one disk and others, in a row."""
+    natural = np.concatenate([part.natural for part in parts], axis=1)
+    given = None
+    if parts[0].given is not None:
+        given = Motion(*map(np.concatenate, zip(*(part.given for part in parts if part.given), strict=True)))
+    return States(parts[0].disk, natural, np.concatenate([part.status for part in parts]), given)
 
 
 def require_states(states: Any, name: str = "states") -> States:

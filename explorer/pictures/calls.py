@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from explorer.errors import one_of
+from explorer.phase.portrait import Portrait
 from explorer.pictures.register import PICTURES, Picture, Question
 
 for _path in sorted(Path(__file__).parent.glob("[a-z]*.py")):
@@ -74,8 +75,8 @@ def picture(name: str, *what: Any, ax: Axes | Figure | SubFigure | None = None, 
     return pictures[one_of("picture", name, pictures)](*what, ax=ax, **numbers)
 
 
-def portraits_of(group: str, asked: Any) -> Iterator[tuple[str, Callable[..., Figure]]]:
-    """The pictures of a group by the names of their files; asked: a `Portrait`, which has disk and potentials."""
+def portraits_of(group: str, asked: Portrait) -> Iterator[tuple[str, Callable[..., Figure]]]:
+    """The pictures of a group by the names of their files; asked: what they are drawn of."""
     for each in [each for each in pictures.values() if each.group == group]:
         for name, what in each.portraits(asked):
             yield name, partial(each, *what)

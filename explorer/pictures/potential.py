@@ -57,7 +57,7 @@ Curve = tuple[Array, Array]
     group="phase",
     portraits=lambda asked: [
         (f"portrait-{name}", (each, asked.energy))
-        for name, each in asked.places().items()
+        for name, each in asked.places.items()
         if name not in ("plus", "minus")
     ],
 )
@@ -188,7 +188,7 @@ def _name(potential: Potential) -> str:
     (SIZE[0], 4.2),
     "phase",
     lambda asked: [
-        ("portrait-sides", (each, asked.energy)) for name, each in asked.places().items() if name == "plus"
+        ("portrait-sides", (each, asked.energy)) for name, each in asked.places.items() if name == "plus"
     ],
 )
 def portrait_of_sides(figure: Figure, potential: Potential, energies: tuple[float, float] | None = None) -> None:
@@ -264,7 +264,7 @@ def _curves(places: dict[str, Potential]) -> list[tuple[str, tuple[Any, ...]]]:
     "falling motions, and for constants beside it. On the line, its value at flat is finite; beside the line, it "
     "rises towards flat like a wall, as η²/(2I₁θ²) at a tilt θ from flat.",
     group="phase",
-    portraits=lambda asked: _curves(asked.places()),
+    portraits=lambda asked: _curves(asked.places),
 )
 def potentials(ax: Axes, several: Sequence[Potential], near_flat: bool = False) -> None:
     """Draw V, eqs (3.8) and (6.9), of several potentials of one disk and one sigma3_bar, with its equilibria.

@@ -28,10 +28,11 @@ from PIL.PngImagePlugin import PngInfo
 from explorer.errors import InputError, shown
 from explorer.paths import on_disk
 from explorer.phase.disk import require_axial_inertia
+from explorer.phase.portrait import Portrait
 from explorer.pictures.style import SIZE
 
 DPI = 150
-Portraits: TypeAlias = Callable[[Any], Iterable[tuple[str, tuple[Any, ...]]]]
+Portraits: TypeAlias = Callable[[Portrait], Iterable[tuple[str, tuple[Any, ...]]]]
 
 
 class Question(StrEnum):

@@ -13,18 +13,20 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.measure import sifting, statistics
-from explorer.measure.sampling import PER_STREAM, read_ranges
+from explorer.measure import statistics
+from explorer.measure.sampling import read_ranges
 from explorer.measure.slices import ConstantsPlane, Slice, slice_map
 from explorer.measure.tallies import ByName, Least, LogHistogram, count_status
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import falling_set
 from explorer.phase.constants import constants
-from explorer.phase.falling_set import falls
-from explorer.phase.states import COORDINATES, Array, phi_to_states
+from explorer.phase.energy import eta_to_eta_hat
+from explorer.phase.falling_set import Location, located
+from explorer.phase.linear_constants import rows_of
+from explorer.phase.states import COORDINATES, Array, States, joined_states
 from explorer.scenes.given_states import Block
 from explorer.scenes.options import Reader, option, whole_from, word_of
-from explorer.scenes.scene import MANY, Counts, Picture, Table
+from explorer.scenes.scene import MANY, Counts, Picture, Table, joined
 from explorer.scenes.starts import FromStates
 
 if TYPE_CHECKING:
@@ -33,7 +35,6 @@ if TYPE_CHECKING:
 # Near F, natural units of eta_hat: where all samples have a theta_min, and where only those near F do. Rows beyond
 # are counted, not stored, unless all are asked for.
 NEAR = {"all": 0.01, "near": 0.001, "none": 0.001}
-_WIDER = 1.0 + 1e-9  # rounding of a distance must not decide what is looked at
 # The map of all samples over the plane of constants: cells a side, and as many first states as say how far it must
 # reach; theta_min as integers, 3000 to the decade above 1e-20.
 CELLS, _FIRST = 160, 16_384
@@ -98,44 +99,62 @@ class FallingSet(FromStates):
 
     @property
     def kernels(self) -> tuple[str, ...]:
-        drawn = sifting.KERNELS if self._in_lanes else super().kernels
         tilts = () if self.theta_min == "none" else tilt_kernels(self.plan)
-        return *falling_set.KERNELS, *drawn, *tilts, *LogHistogram.KERNELS
+        return *falling_set.KERNELS, *super().kernels, *tilts, *LogHistogram.KERNELS
 
     # Samples
 
-    def observe(self, block: Block) -> Table:
-        """Everything about a few states; where theta_min is not computed it is NaN."""
-        states, n = block.states, len(block.states)
-        exact, known = falls(states), constants(states)
+    def chunk(self, index: int) -> tuple[Table, FallingCounts]:
+        tally, tables, states = FallingCounts(), list[Table](), list[States]()
+        everything = "all" in (self.theta_min, self.keep)
+        for block in self.blocks(index):
+            here = located(block.states)
+            distance = eta_to_eta_hat(self.disk.body, abs(here.eta)) * self.disk.rate_unit
+            self._count(tally, here, distance)
+            stays = np.full(distance.size, everything) | (here.could & (distance <= self.tube))
+            tally.status += count_status(here.status[~stays])
+            rows = np.flatnonzero(stays)
+            tables.append(self._table(block.at(rows), rows_of(here, rows)))
+            states.append(block.states.at(rows))
+        # Few states of a block are near F: those of a chunk are followed together.
+        table = joined(tables)
+        self._follow(table, joined_states(states))
+        tally.status += count_status(table["status"])
+        self._count_tilts(tally, table)
+        return self.kept(table), tally
+
+    def _table(self, block: Block, here: Location) -> Table:
+        """Everything about a few states but their theta_min."""
+        known, n = constants(block.states), len(block.states)
         names = "sigma3_bar", "eta_hat_plus", "eta_hat_minus", "energy"
         table: Table = {name: getattr(known, name) for name in names}
-        table |= {"face": exact.face, "could_fall": exact.could_fall, "theta_min": np.full(n, np.nan)}
-        table |= {"status": exact.status.astype(np.int8), "steps": np.zeros(n, np.int32)}
-        rows: Any = np.s_[:]
-        if self.theta_min != "all":
-            rows = np.flatnonzero(self.near(table))
-            states = states.at(rows)
-        if self.theta_min != "none":
-            found = smallest_tilt(states, self.plan)
+        table |= {"face": here.face, "could_fall": here.could, "theta_min": np.full(n, np.nan)}
+        return block.with_results(table | {"status": here.status, "steps": np.zeros(n, np.int32)})
+
+    def _follow(self, table: Table, states: States) -> None:
+        """theta_min, and what became of the states for which it is wanted -> table."""
+        wanted = np.full(len(states), self.theta_min == "all") | (self.theta_min == "near" and self.near(table))
+        rows = np.flatnonzero(wanted)
+        for first in range(0, rows.size, self.block):
+            some = rows[first : first + self.block]
+            found = smallest_tilt(states.at(some), self.plan)
             for name, values in zip(("theta_min", "status", "steps"), found, strict=True):
-                table[name][rows] = values
-        return block.with_results(table)
+                table[name][some] = values
 
     def near(self, table: Table) -> NDArray[np.bool_]:
-        return np.asarray((nearer(table) <= self.tube) & table["could_fall"])
+        distance = np.fmin(abs(table["eta_hat_plus"]), abs(table["eta_hat_minus"]))
+        return np.asarray((distance <= self.tube) & table["could_fall"])
 
     # Counts
 
-    def count(self, tally: FallingCounts, table: Table) -> None:
-        on_plus = table["face"] == 1
-        eta = np.where(on_plus, table["eta_hat_plus"], table["eta_hat_minus"])
+    def _count(self, tally: FallingCounts, here: Location, distance: Array) -> None:
+        """Faces and signs of eta, those that could fall, and how far these are from F."""
+        on_plus, eta = here.face == 1, here.eta
         for face, chosen in (("plus", on_plus), ("minus", ~on_plus)):
             for sign, there in (("positive", eta > 0.0), ("negative", eta < 0.0), ("zero", eta == 0.0)):
                 tally.faces[f"face_{face}_eta_{sign}"] += int(np.count_nonzero(chosen & there))
-        tally.could_fall += int(table["could_fall"].sum())
-        tally.distance.count(nearer(table)[table["could_fall"]])
-        self._count_tilts(tally, table)
+        tally.could_fall += int(np.count_nonzero(here.could))
+        tally.distance.count(distance[here.could])
 
     def _count_tilts(self, tally: FallingCounts, table: Table) -> None:
         """theta_min, and the smallest one in each cell of the plane of constants, as a code."""
@@ -160,30 +179,6 @@ class FallingSet(FromStates):
         good = np.isfinite(found.sigma3_bar) & np.isfinite(found.sigma4_bar)
         both = (found.sigma3_bar, found.sigma4_bar)
         return np.maximum([np.percentile(abs(c[good]), 99.5) if good.any() else 1.0 for c in both], 1e-300)
-
-    # One compiled pass instead
-
-    @cached_property
-    def _in_lanes(self) -> bool:
-        """Whether drawing, counting and sifting are one compiled pass."""
-        sifted = "all" not in (self.theta_min, self.keep) and self.states is None and self.source.plain
-        return sifted and self.chunk_size >= PER_STREAM and sifting.in_lanes(self.disk, self.box)
-
-    def chunk(self, index: int) -> tuple[Table, FallingCounts]:
-        if not self._in_lanes:
-            return super().chunk(index)
-        n, tally = self.length(index), FallingCounts()
-        streams = (random for random, _, _ in self.streams(index))
-        found = sifting.sift(self.disk, self.box, streams, (n, self.block), self.tube * _WIDER)
-        table = self.observe(Block(phi_to_states(self.disk, **found.columns), found.columns, {}))
-        tally.faces += found.faces
-        tally.could_fall, tally.distance = found.could_fall, found.distance
-        good = sum(found.faces.values())
-        of_others = {"ok": good - table["status"].size, "bad_input": n - good}
-        tally.status += count_status(table["status"])
-        tally.status += {name: count for name, count in of_others.items() if count}
-        self._count_tilts(tally, table)
-        return self.kept(table), tally
 
     # Numbers and pictures
 
@@ -229,8 +224,3 @@ class FallingSet(FromStates):
         )
         sigma3, sigma4 = (np.linspace(-reach, reach, CELLS + 1) for reach in self._reach)
         return ConstantsPlane(self.disk, sigma3, sigma4, smallest.reshape(CELLS, CELLS), self.plan.method)
-
-
-def nearer(table: Table) -> Array:
-    """|eta_hat| to the line of the nearer face."""
-    return np.asarray(np.fmin(abs(table["eta_hat_plus"]), abs(table["eta_hat_minus"])))

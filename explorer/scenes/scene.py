@@ -282,7 +282,8 @@ def joined(tables: Sequence[Table]) -> Table:
 # The scenes by name, those of users among them
 
 # Each is a file and a class of this name: race-angles is RaceAngles in race_angles.py.
-NAMES = ("falling-set", "measure-zero", "one-sided", "portrait", "race-angles")
+NAMES = ("falling-set", "measure-zero", "one-sided", "race-angles")
+_GONE = {"portrait": "nearflat portrait --only phase draws its pictures, and with --json gives its numbers"}
 _own: dict[str, type[Scene]] = {}
 _OFFERS = "a scene offers draw(random, count), observe(drawn), and mostly count(tally, table) and summarise(tally)"
 
@@ -353,6 +354,8 @@ def known_scene(name: Any) -> type[Scene]:
     """The class of a scene of nearflat or of one that is registered; no file is looked for. Raises InputError."""
     known = [*NAMES, *_own]
     if not isinstance(name, str) or name not in known:
+        if instead := _GONE.get(str(name)):
+            raise InputError(f"scene {name}: there is no such scene any more; {instead}")
         yours = "A scene of your own: nearflat run my.py:Scene, or ex.register(Scene)"
         raise InputError(f"scene {shown(name)} is not known; {suggest(name, known)}. {yours}")
     if name in _own:

@@ -4,19 +4,19 @@ import math
 
 import numpy as np
 
-from kernels._jit import contracted_device, contracted_subroutine, kernel
+from kernels._jit import contracted_device, contracted_subroutine, kernel, subroutine
 from kernels.disk.body import Body, Disk
-from kernels.disk.chaplygin import Whole, whole_solutions
-from kernels.disk.constants import Constants, from_solutions
+from kernels.disk.chaplygin import Solutions, Whole, whole_solutions
+from kernels.disk.constants import from_solutions
 from kernels.disk.elementary import SMALLEST, log_ratio, logarithm
-from kernels.disk.field import State, contracted_energy, reduced_state
+from kernels.disk.field import contracted_energy, reduced_state
 from kernels.types import Matrix, Vector
 
 LANES = 64  # eight AVX-512 registers; columns of a block stay in the first cache
-# Rows of the work array: entry (row, i) stands at row * LANES + i, as in `batch`.
-_Q, _Z, _P, _RHO, _SIGMA4 = range(5)
-_OUT = 5  # six rows, as Constants
-_ROWS = 11
+# Rows of the work array: entry (row, i) stands at row * LANES + i, as in `batch`. The state; its constants, six
+# rows as Constants; the solutions at its tilt, five rows.
+Q, Z, P, RHO, SIGMA4 = range(5)
+CONSTANTS, SOLUTIONS, ROWS = 5, 11, 16
 
 _LN2 = math.log(2.0)
 _ROOT_HALF = math.sqrt(0.5)
@@ -34,40 +34,71 @@ def depth(q: float, z: float, log_q: float) -> tuple[float, float]:
 
 
 @contracted_device
-def constants_by_series(x: State, whole: Whole, b: Body) -> Constants[float]:
-    """Constants of the state x."""
-    small = x.q < SMALLEST
-    log_q = logarithm(x.q * _SCALE if small else x.q) - (_LOG_SCALE if small else 0.0)
-    S, log_S = depth(x.q, x.z, log_q)
-    return from_solutions(x, whole_solutions(S, log_S, b.c, whole), contracted_energy(x, b), b)
+def solutions_of(W: Vector, i: int) -> Solutions:
+    """The solutions of lane i."""
+    return Solutions(
+        W[SOLUTIONS * LANES + i],
+        W[(SOLUTIONS + 1) * LANES + i],
+        W[(SOLUTIONS + 2) * LANES + i],
+        W[(SOLUTIONS + 3) * LANES + i],
+        W[(SOLUTIONS + 4) * LANES + i],
+    )
 
 
 @contracted_subroutine
-def lanes(W: Vector, whole: Whole, b: Body) -> None:
-    """Rows _OUT ... from rows _Q ... _SIGMA4."""
+def solve(W: Vector, whole: Whole, b: Body) -> None:
+    """The solutions at the tilts."""
     for i in range(LANES):
-        q, z, p = W[_Q * LANES + i], W[_Z * LANES + i], W[_P * LANES + i]
-        x = reduced_state(q if q > 0.0 else math.nan, z, p, W[_RHO * LANES + i], W[_SIGMA4 * LANES + i])
-        constants = constants_by_series(x, whole, b)
-        W[_OUT * LANES + i] = constants.sigma3_bar
-        W[(_OUT + 1) * LANES + i] = constants.eta_plus
-        W[(_OUT + 2) * LANES + i] = constants.eta_minus
-        W[(_OUT + 3) * LANES + i] = constants.energy
-        W[(_OUT + 4) * LANES + i] = constants.rounding_plus
-        W[(_OUT + 5) * LANES + i] = constants.rounding_minus
+        q, z = W[Q * LANES + i], W[Z * LANES + i]
+        small = q < SMALLEST
+        log_q = logarithm(q * _SCALE if small else q) - (_LOG_SCALE if small else 0.0)
+        S, log_S = depth(q, z, log_q)
+        f = whole_solutions(S, log_S, b.c, whole)
+        W[SOLUTIONS * LANES + i] = f.rho
+        W[(SOLUTIONS + 1) * LANES + i] = f.drho
+        W[(SOLUTIONS + 2) * LANES + i] = f.rho_over_S
+        W[(SOLUTIONS + 3) * LANES + i] = f.D
+        W[(SOLUTIONS + 4) * LANES + i] = f.dD
+
+
+@contracted_subroutine
+def constants(W: Vector, b: Body) -> None:
+    """The constants of states from the solutions at their tilts."""
+    for i in range(LANES):
+        q, z, p = W[Q * LANES + i], W[Z * LANES + i], W[P * LANES + i]
+        x = reduced_state(q if q > 0.0 else math.nan, z, p, W[RHO * LANES + i], W[SIGMA4 * LANES + i])
+        found = from_solutions(x, solutions_of(W, i), contracted_energy(x, b), b)
+        W[CONSTANTS * LANES + i] = found.sigma3_bar
+        W[(CONSTANTS + 1) * LANES + i] = found.eta_plus
+        W[(CONSTANTS + 2) * LANES + i] = found.eta_minus
+        W[(CONSTANTS + 3) * LANES + i] = found.energy
+        W[(CONSTANTS + 4) * LANES + i] = found.rounding_plus
+        W[(CONSTANTS + 5) * LANES + i] = found.rounding_minus
+
+
+@subroutine
+def load(rows: Matrix, first: int, count: int, row: int, W: Vector) -> None:
+    """Columns `first` ... of an array -> lanes, from `row` on."""
+    for k in range(rows.shape[0]):
+        for i in range(count):
+            W[(row + k) * LANES + i] = rows[k, first + i]
+
+
+@subroutine
+def store(W: Vector, row: int, first: int, count: int, rows: Matrix) -> None:
+    """Lanes, from `row` on -> columns `first` ... of an array."""
+    for k in range(rows.shape[0]):
+        for i in range(count):
+            rows[k, first + i] = W[(row + k) * LANES + i]
 
 
 @kernel
 def constants_batch(states: Matrix, whole: Whole, disk: Disk, out: Matrix) -> None:
     """states (5, n): q, z, p, rho, sigma4 -> out (6, n), rows as Constants. NaN where not q > 0."""
-    n = states.shape[1]
-    W = np.zeros(_ROWS * LANES)
+    n, W = states.shape[1], np.zeros(ROWS * LANES)
     for first in range(0, n, LANES):
         count = min(LANES, n - first)
-        for row in range(5):
-            for i in range(count):
-                W[row * LANES + i] = states[row, first + i]
-        lanes(W, whole, disk.body)
-        for row in range(6):
-            for i in range(count):
-                out[row, first + i] = W[(_OUT + row) * LANES + i]
+        load(states, first, count, 0, W)
+        solve(W, whole, disk.body)
+        constants(W, disk.body)
+        store(W, CONSTANTS, first, count, out)

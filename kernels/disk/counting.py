@@ -41,7 +41,7 @@ def find(
 
 
 @subroutine
-def count(values: Vector, W: Longs, counts: Counts, zeros: Longs, ends: Matrix) -> None:
+def count(values: Vector, W: Longs, counts: Longs, zeros: Longs, ends: Matrix) -> None:
     """Numbers whose rows and entries are found, one after the other."""
     for i in range(values.size):
         row, entry, size = W[i], W[LANES + i], abs(values[i])
@@ -59,7 +59,7 @@ def count(values: Vector, W: Longs, counts: Counts, zeros: Longs, ends: Matrix) 
 
 
 @kernel
-def log_count_batch(sizes: Sizes, lowest: int, first: int, counts: Counts, zeros: Longs, ends: Matrix) -> None:
+def log_count_batch(sizes: Sizes, lowest: int, first: int, counts: Longs, zeros: Longs, ends: Matrix) -> None:
     """Sizes of signed numbers, counted by group and sign -> counts, zeros, ends; added to what is there.
 
     A row of counts begins with bin `first`; the first two rows are of group `lowest`, one of its negative numbers

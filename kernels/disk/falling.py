@@ -50,14 +50,6 @@ class Tilt(NamedTuple):
     dU: float
 
 
-class Membership(NamedTuple, Generic[Entry]):
-    """Whether a state could fall on either face, were eta there zero: 1 or 0; and E - V_0."""
-
-    plus: Entry
-    minus: Entry
-    excess: Entry
-
-
 class LineChart(NamedTuple, Generic[Entry]):
     """The linear map from (sigma3_bar, eta_hat_+) to (sigma3, sigma4) at one tilt, eqs (3.5), (6.2).
 
@@ -221,27 +213,6 @@ def passes_bisected(z: float, energy: float, X: float, well_phi: float, disk: Di
     if not z < math.sin(phi):
         return True
     return energy > on_f(math.cos(phi), math.sin(phi), X, disk).V
-
-
-@kernel
-def falls_batch(
-    states: Matrix, sigma3_bar: Vector, energy: Vector, obstacle: Obstacle, disk: Disk, out: Matrix
-) -> None:
-    """Could these states fall, were eta of that face zero?
-
-    states (5, n) as State; sigma3_bar, energy (n): their constants -> out (3, n), rows as Membership.
-    """
-    north = south = Tilt(math.nan, math.nan, math.nan, math.nan)
-    for i in range(states.shape[1]):
-        q, z, E = states[0, i], states[1, i], energy[i]
-        if not (q == north.q and z == north.z):
-            # Many draws share one tilt, the vertical above all.
-            north, south = tilt(q, z, disk), tilt(q, -z, disk)
-        X = sigma3_bar[i] / disk.body.r0
-        plus = reaches_flat(north, E, X, obstacle, disk)
-        minus = reaches_flat(south, E, X, obstacle, disk)
-        excess = E - potential_at_flat(X, disk.body)
-        put(Membership(1.0 if plus else 0.0, 1.0 if minus else 0.0, excess), out, i)
 
 
 @kernel

@@ -11,13 +11,10 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
-from explorer.measure.sifting import sift
 from explorer.phase.falling_set import obstacle
 from explorer.phase.states import phi_to_states
 from explorer.scenes.falling_set import FallingSet
-from kernels.disk import falling
-
-STATES = 1 << 18
+from kernels.disk import membership
 
 
 @pytest.mark.benchmark(group="could it fall")
@@ -25,29 +22,15 @@ STATES = 1 << 18
 def test_verdicts_beyond_the_vertical(benchmark, by):
     disk, random = BODIES["uniform"], np.random.default_rng(3)
     states = phi_to_states(disk, random.uniform(-1.5, 1.5, 4096), *random.uniform(-2.0, 2.0, (3, 4096)))
-    constants, exact = states.motion, obstacle(disk)._replace(slack=math.inf)
-    call = states.natural, constants.sigma3_bar, constants.energy
-    found, expected = np.empty((3, 4096)), np.empty((3, 4096))
-    benchmark(falling.falls_batch, *call, obstacle(disk) if by == "series" else exact, disk.natural, found)
-    falling.falls_batch(*call, exact, disk.natural, expected)
+    exact, out = obstacle(disk)._replace(slack=math.inf), np.empty((6, 4096))
+    found, expected = np.empty((2, 4096), np.int8)
+
+    def judged(barriers, codes):
+        membership.membership_batch(states.natural, False, barriers, disk.whole, disk.natural, out, codes)
+
+    benchmark(judged, obstacle(disk) if by == "series" else exact, found)
+    judged(exact, expected)
     np.testing.assert_array_equal(found, expected)
-
-
-@pytest.mark.benchmark(group="falling-set, a chunk")
-@pytest.mark.parametrize("what", ["one pass", "with theta_min near F", "block by block"])
-def test_a_chunk_of_a_large_run(benchmark, what):
-    scene = FallingSet(samples=STATES, chunk_size=STATES, theta_min="near")
-    counts = scene.chunk(0)[1]
-    if what == "one pass":
-        streams = [random for random, _, _ in scene.streams(0)]
-        found = benchmark(lambda: sift(scene.disk, scene.box, streams, (STATES, 1 << 14), scene.tube))
-        assert found.could_fall == counts.could_fall
-        return
-    if what == "block by block":
-        vars(scene)["_in_lanes"] = False
-    _, tally = benchmark(scene.chunk, 0)
-    assert tally.theta_min.state() == counts.theta_min.state()
-    assert tally.faces == counts.faces
 
 
 @pytest.mark.benchmark(group="falling-set, theta_min of every state")

@@ -16,6 +16,7 @@ from explorer.commands import calls
 from explorer.commands.main import COMMANDS, parser_of
 from explorer.commands.trade import Trading
 from explorer.phase.columns import COLUMNS
+from explorer.phase.portrait import Portrait
 from explorer.runs.settings import Settings
 from explorer.scenes.options import options_of
 from explorer.scenes.scene import NAMES, scene_class
@@ -183,27 +184,35 @@ def keys(value, before=""):
     return [path for name, each in value.items() for path in keys(each, f"{before}.{name}".lstrip("."))]
 
 
+def keys_in_words(found):
+    """The keys of an object, each with those below it in brackets."""
+    by_key = {}
+    for path in (path for key, value in found.items() for path in keys(value, key)):
+        first, _, rest = path.partition(".")
+        by_key.setdefault(first, []).append(rest)
+    return "; ".join(
+        f"`{first}`" + (f" ({', '.join(rest)})" if rest != [""] else "") for first, rest in by_key.items()
+    )
+
+
 def summaries():
     """What the summary of each scene has beside its options."""
     few = {"samples": 1000, "progress": False}
     asked = dict.fromkeys(NAMES, few) | {
         "one-sided": {**few, "samples": 1, "disk": "hoop"},
         "measure-zero": {**few, "tube": 512, "ladder": "1e-7:1e-1"},
-        "portrait": {"progress": False},
     }
     rows = []
     for name in NAMES:
         run = ex.run(name, **asked[name])
         found = {key: value for key, value in run.summary.items() if run.options.get(key) != value}
-        by_key = {}
-        for path in (path for key, value in found.items() for path in keys(value, key)):
-            first, _, rest = path.partition(".")
-            by_key.setdefault(first, []).append(rest)
-        cells = [
-            f"`{first}`" + (f" ({', '.join(rest)})" if rest != [""] else "") for first, rest in by_key.items()
-        ]
-        rows.append((f"`{name}`", "; ".join(cells)))
+        rows.append((f"`{name}`", keys_in_words(found)))
     return table(["scene", "keys, and in brackets the keys below them"], rows)
+
+
+def portrait():
+    """What `nearflat portrait --only phase --json` has beside the files."""
+    return f"{keys_in_words(Portrait(ex.Disk.uniform()).describe())}."
 
 
 MAKERS = {
@@ -216,6 +225,7 @@ MAKERS = {
     "statuses": statuses,
     "misprints": misprints,
     "summaries": summaries,
+    "portrait": portrait,
 }
 
 

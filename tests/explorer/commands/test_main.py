@@ -232,10 +232,10 @@ from explorer.commands.main import main
 from explorer.scenes.scene import NAMES
 passage = ["passage", "--sigma3-bar", "1", "--eta-hat", "-1e-6", "--phidot", "1", "--quiet"]
 many = ["plan", "falling-set", "--samples", "1e9"]
-small = {"portrait": [], "one-sided": ["--samples", "2"]}  # the others take any number
+small = {"one-sided": "2"}  # the others take any number
 assert main(passage) == 0
 print("heavy:", *(name for name in ("pyarrow", "joblib") if name in sys.modules))
-for words in (*(["plan", scene, *small.get(scene, ["--samples", "2000"])] for scene in NAMES), many):
+for words in (*(["plan", scene, "--samples", small.get(scene, "2000")] for scene in NAMES), many):
     assert main(words) == 0
 heavy = [f"scipy.{name}" for name in ("stats", "optimize", "linalg", "fft", "special", "interpolate")]
 heavy += ["numpy.f2py", "matplotlib", "pandas", "numba.np.arraymath"]

@@ -21,7 +21,7 @@ def test_the_cost_of_a_run_is_said_for_its_own_options(capsys, tmp_path):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_plan_is_the_one_that_the_scene_uses(name, capsys):
-    few = [] if name == "portrait" else ["--samples", "2" if name == "one-sided" else "2000"]
+    few = ["--samples", "2" if name == "one-sided" else "2000"]
     assert main(["plan", name, "--json", "--accuracy", "1e-5", *few]) == 0
     answer = json.loads(capsys.readouterr().out)
     used = scene_class(name).of({"accuracy": 1e-5}).plan
@@ -36,14 +36,6 @@ def test_a_scene_file_is_planned_as_it_would_run(tmp_path, capsys):
     out = capsys.readouterr().out
     assert "method       dop853" in out
     assert "accuracy     0.0001" in out
-
-
-def test_a_scene_that_follows_no_motion_has_no_method_of_integration(capsys):
-    assert main(["plan", "portrait", "--method", "dop853"]) == 0
-    out = capsys.readouterr().out
-    assert "method       algebra" in out
-    assert "quadrature" not in out
-    assert "dop853" not in out
 
 
 @pytest.mark.parametrize("line", ['eta_hat = "1e-2:1e-6"', "colour = 1", "samples = 0"])

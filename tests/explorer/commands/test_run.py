@@ -22,14 +22,13 @@ def test_help_for_a_scene_shows_its_options_and_those_of_no_other(capsys):
 def test_help_without_a_scene_names_the_scenes(capsys):
     status, out, _ = said(capsys, "run", "--help")
     assert status == 0
-    assert "falling-set,measure-zero,one-sided,portrait,race-angles" in "".join(out.split())
+    assert "falling-set,measure-zero,one-sided,race-angles" in "".join(out.split())
     assert "--jobs N" in out
 
 
 @pytest.mark.parametrize(
     ("words", "key", "value"),
     [
-        (("portrait", "--sigma3-bar", "-0.2", "--eta-hat", "-1e-3"), "eta_hat", -1e-3),
         (("falling-set", "--samples", "50", "--grid", "5", "--energy", "-1:2"), "energy", [-1.0, 2.0]),
         (
             ("race-angles", "--samples", "50", "--box", "sigma3=-1:1"),

@@ -195,10 +195,12 @@ def test_an_event_of_bounces_counts_a_state_once():
 
 @pytest.mark.parametrize("samples", [10, 1000])
 def test_a_rare_tilt_is_found_however_few_samples_are_asked_for(samples):
-    few = ex.probability(UNIFORM, ("theta_min", 1e-3), samples=samples, **NEARLY_FLAT)
-    many = ex.probability(UNIFORM, ("theta_min", 1e-3), samples=300_000, rng=1, **NEARLY_FLAT)
-    assert few.method == "importance"
-    assert abs(few.estimate - many.estimate) < 4 * math.hypot(error(few), error(many))
+    event = "theta_min", 1e-3
+    many = ex.probability(UNIFORM, event, samples=300_000, rng=100, **NEARLY_FLAT)
+    some = [ex.probability(UNIFORM, event, samples=samples, rng=rng, **NEARLY_FLAT) for rng in range(5)]
+    assert {few.method for few in some} == {"importance"}
+    off = [abs(few.estimate - many.estimate) / math.hypot(error(few), error(many)) for few in some]
+    assert sorted(off)[3] < 3
 
 
 def test_where_nothing_moves_eta_the_share_is_counted_and_it_says_so():

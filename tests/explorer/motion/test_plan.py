@@ -20,6 +20,12 @@ def test_the_lowest_rung_that_gives_everything_is_chosen():
     assert set(OBSERVABLES.values()) <= set(LEVELS)
 
 
+def test_what_follows_no_motion_has_no_method_of_integration():
+    found = plan(("face", "distance"), method="dop853")
+    assert found.method == "algebra"
+    assert "dop853" not in found.reason
+
+
 def test_a_plan_says_why():
     assert "knows eta exactly" in plan(("race_angle",)).reason
     reason = plan(("theta_min", "contact")).reason

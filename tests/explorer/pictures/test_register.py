@@ -5,15 +5,16 @@ import re
 import matplotlib
 import matplotlib.style
 import pytest
+from conftest import BODIES
 from matplotlib.figure import Figure
 
 import explorer as ex
 from explorer.commands.pages import caption_in
 from explorer.commands.portrait import GROUPS, RECORDED
+from explorer.phase.portrait import Portrait
 from explorer.pictures.calls import portraits_of
 from explorer.pictures.register import Caption, Question, add_caption, caption_of, save
 from explorer.pictures.style import SERIES
-from explorer.scenes.portrait import Portrait
 from explorer.view import record
 
 DISK = ex.Disk.uniform()
@@ -90,8 +91,20 @@ def test_every_group_has_pictures_and_no_two_files_of_one_name():
     groups = {each.group for each in ex.pictures.values() if each.group}
     assert set(GROUPS) == groups | set(RECORDED)
     assert set(RECORDED) == set(record.CAPTIONS)
-    names = [name for group in groups - {"slices"} for name, _ in portraits_of(group, Portrait())]
+    names = [name for group in groups - {"slices"} for name, _ in portraits_of(group, Portrait(DISK))]
     assert len(names) == len(set(names)) > 20
+
+
+def test_the_pictures_of_the_tilt_are_of_the_places_that_are_asked():
+    def names(disk=DISK, **asked):
+        return {name for name, _ in portraits_of("phase", Portrait(disk, **asked))}
+
+    usual = {"potential", "potential-near-flat", "steady-map", "steady-plane"}
+    usual |= {f"steady-{path}" for path in ("line", "rolling", "spinning")}
+    assert names() == {"portrait-on", "portrait-sides", *usual}
+    assert names(BODIES["thick"], eta_hat=0.02) == {"portrait-on", "portrait-beside", *usual}
+    assert names(eta_hat=0.0) == {"portrait-on", *usual}
+    assert names(sigma4_bar=0.3) == {"portrait-given", *usual}
 
 
 def test_figures_of_ones_own_in_the_style_of_the_house_have_the_colours_of_its_series():

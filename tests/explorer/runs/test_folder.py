@@ -64,6 +64,15 @@ def test_a_folder_remembers_the_file_of_a_user_s_scene(finished, monkeypatch):
         ex.open(finished.folder).resume()
 
 
+def test_a_stored_run_of_scene_portrait_says_what_to_use_instead(finished):
+    record = read_record(finished.folder)
+    options = {**record["options"], "scene": "portrait"}
+    old = ex.open(rewritten(finished, options=options, **{"from": None, "code": None}).folder)
+    for ask in (lambda: old.summary, old.frame, lambda: old.resume(progress=False)):
+        with pytest.raises(ex.InputError, match="nearflat portrait --only phase"):
+            ask()
+
+
 @pytest.mark.parametrize(
     ("record", "options", "message"),
     [

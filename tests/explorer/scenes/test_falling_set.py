@@ -11,7 +11,7 @@ import explorer as ex
 from explorer import compiled
 from explorer.measure.slices import Slice, slice_map
 from explorer.scenes import falling_set
-from explorer.scenes.falling_set import FallingCounts, FallingSet, nearer
+from explorer.scenes.falling_set import FallingSet
 
 
 def summary_of(**options):
@@ -53,7 +53,7 @@ def test_the_integrated_valley_lies_on_the_exact_curve():
 
 @pytest.mark.parametrize("theta_min", ["all", "near"])
 def test_counts_are_complete_whatever_is_kept(theta_min):
-    """Also where drawing, counting and sifting are one pass: what is kept are the rows near F of all."""
+    """Also where rows are followed near F only: what is kept are the rows near F of all."""
     scenes = {
         keep: FallingSet(samples=150_000, chunk_size=65_536, theta_min=theta_min, keep=keep)
         for keep in ("none", "near", "all")
@@ -84,21 +84,18 @@ def test_theta_min_may_be_computed_near_f_only_as_it_is_of_many_states():
 
 
 def test_the_nearer_face_decides_and_what_is_no_state_has_none():
-    table = {name: np.array([0.1, -0.1, 0.0, np.nan]) for name in ("sigma3_bar", "theta_min")}
-    table |= {
-        "eta_hat_plus": np.array([1e-3, 2.0, 0.0, np.nan]),
-        "eta_hat_minus": np.array([5.0, -1.0, 0.0, np.nan]),
-    }
-    table |= {"face": np.array([1, -1, 1, 0]), "could_fall": np.array([True, True, False, False])}
-    np.testing.assert_array_equal(nearer(table), [1e-3, 1.0, 0.0, np.nan])
-    tally = FallingCounts()
-    FallingSet().count(tally, table)
+    table = {"sigma3_bar": [0.5, 0.5, 0.0, np.nan], "eta_hat": [1e-3, -1e-3, 0.0, 1.0], "face": [1, -1, 1, 1]}
+    scene = FallingSet(states=table | {"phi": [0.0] * 4, "phidot": [1.0, 1.0, 0.0, 1.0]}, keep="all")
+    rows, tally = scene.chunk(0)
     assert {name: count for name, count in tally.faces.items() if count} == {
         "face_plus_eta_positive": 1,
         "face_minus_eta_negative": 1,
         "face_plus_eta_zero": 1,
     }
-    assert (tally.could_fall, tally.distance.total) == (2, 2)
+    assert rows["could_fall"].tolist() == [True, True, False, False]
+    distance = tally.distance.row()
+    assert (distance.total, distance.zeros) == (2, 0)
+    assert distance.smallest == distance.largest == 1e-3
 
 
 def test_the_headline_is_in_sentences_a_user_can_read(tmp_path):

@@ -40,7 +40,6 @@ GIVEN = {
         "box": "phidot=1:2",
         "eta-hat": "1e-5:1e-3",
     },
-    "portrait": {"sigma3-bar": "-0.2", "eta-hat": "-1e-3", "energy": "0.5:2"},
     "race-angles": {
         "method": "dop853",
         "accuracy": "1e-7",
@@ -141,8 +140,13 @@ def test_options_that_make_no_sense_are_refused_by_name(scene, options, message)
 
 @pytest.mark.parametrize("name", ["falling", 5, None, ["falling-set"]])
 def test_what_is_no_scene_is_answered_with_the_known_ones(name):
-    with pytest.raises(ex.InputError, match="known: falling-set, measure-zero, one-sided, portrait, race-angles"):
+    with pytest.raises(ex.InputError, match="known: falling-set, measure-zero, one-sided, race-angles"):
         scene_class(name)
+
+
+def test_a_scene_of_before_is_answered_with_what_to_use_instead():
+    with pytest.raises(ex.InputError, match=r"scene portrait: .*nearflat portrait --only phase"):
+        made("portrait", eta_hat=0.1)
 
 
 def test_dashes_and_underscores_are_the_same_in_a_scene_file(tmp_path):

@@ -116,7 +116,6 @@ WAYS = {
     # so exact that some states need the adaptive rules
     "race-angles, states": {"samples": 300, "box": "phi=-0.5:0.5", "accuracy": 1e-11},
     "one-sided": {"samples": 1},
-    "portrait": {},
     "measure-zero": {"samples": 300, "tube": 512},
 }
 

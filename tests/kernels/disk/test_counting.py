@@ -17,7 +17,7 @@ GROUPS = RANDOM.integers(-1, 3, VALUES.size)
 
 
 def test_a_place_outside_the_row_writes_nowhere():
-    counts, zeros, ends = np.zeros(4, np.int32), np.zeros(2, np.int64), np.zeros((2, 2))
+    counts, zeros, ends = np.zeros(4, np.int64), np.zeros(2, np.int64), np.zeros((2, 2))
     places = np.array([-1.0, 0.0, 1.5, 2.0, 1e300])
     log_count_batch(Sizes(np.ones(5), places, np.zeros(5)), 0, 0, counts, zeros, ends)
     assert counts.tolist() == [0, 0, 1, 1]

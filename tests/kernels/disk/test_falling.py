@@ -9,8 +9,8 @@ from conftest import BODIES
 import explorer as ex
 from explorer.phase.falling_set import obstacle
 from explorer.phase.linear_constants import Motion
-from kernels.disk import falling
-from kernels.disk.falling import Barrier, Membership, OnF
+from kernels.disk import falling, membership
+from kernels.disk.falling import Barrier, OnF
 
 SHAPES = ["uniform", "hoop", "matching", "thick"]
 
@@ -55,21 +55,39 @@ def test_a_barrier_is_a_critical_point_and_there_is_none_without_a_well():
         assert there.dV[0] == pytest.approx(0.0, abs=1e-12)
 
 
+def could_fall(disk, states, motion, barriers):
+    """Whether states could fall on face +1 and on face -1, their constants given."""
+    codes = np.empty(states.shape[1], np.int8)
+    call = barriers, disk.whole, disk.natural, np.stack(motion), codes
+    membership.membership_batch(states, True, *call)
+    return np.array([(codes & bit) != 0 for bit in (membership.COULD_PLUS, membership.COULD_MINUS)])
+
+
 def test_a_motion_falls_if_its_energy_lies_above_the_potential_all_the_way_to_flat():
-    disk = BODIES["uniform"]
+    disk, none = BODIES["uniform"], np.zeros(3)
     V = float(on_f(disk, np.array([0.4])).V[0])
     states = np.repeat([[math.sin(0.4)], [math.cos(0.4)], [0.0], [0.0], [0.0]], 3, axis=1)
     bar, energy = np.full(3, 0.7 * disk.body.r0), np.array([V * (1.0 + 1e-9), V, V * (1.0 - 1e-9)])
-    out = np.empty((3, 3))
-    falling.falls_batch(states, bar, energy, obstacle(disk), disk.natural, out)
+    found = could_fall(disk, states, Motion(bar, none, none, energy, none, none), obstacle(disk))
     # At rest, with E = V, it falls as well: V falls towards flat.
-    assert Membership(*out).plus.tolist() == [1.0, 1.0, 0.0]
+    assert found[0].tolist() == [True, True, False]
 
 
-def verdicts(states, constants, barriers):
-    out = np.empty((3, len(states)))
-    falling.falls_batch(states.natural, constants.sigma3_bar, constants.energy, barriers, states.disk.natural, out)
-    return out
+@pytest.mark.parametrize("name", SHAPES)
+def test_random_states_could_fall_where_their_energy_exceeds_the_potential_at_every_tilt_on_the_way(name):
+    disk, random = BODIES[name], np.random.default_rng(4)
+    rates = random.uniform(-2.0, 2.0, (3, 300)) * disk.rate_unit
+    states = ex.phi_to_states(disk, random.uniform(-1.5, 1.5, 300), *rates)
+    motion = states.motion
+    found, compared = could_fall(disk, states.natural, motion, obstacle(disk)), 0
+    for seen, face in zip(found, (1.0, -1.0), strict=True):
+        for row, falls in enumerate(seen):
+            start = 0.5 * math.pi - face * states.phi[row]
+            V = on_f(disk, np.linspace(1e-6, start, 400), motion.sigma3_bar[row] / disk.body.r0).V
+            if abs(motion.energy[row] / V.max() - 1.0) > 1e-3:
+                compared += 1
+                assert falls == (motion.energy[row] > V.max())
+    assert compared > 500
 
 
 def drawn_beyond_the_vertical(disk, count):
@@ -98,7 +116,7 @@ def test_the_barriers_series_judges_as_bisection_for_the_barrier_does(name, star
     disk = BODIES[name]
     states, constants = starts(disk, 4000)
     always = obstacle(disk)._replace(slack=math.inf)
-    by_series, bisected = (verdicts(states, constants, o) for o in (obstacle(disk), always))
+    by_series, bisected = (could_fall(disk, states.natural, constants, o) for o in (obstacle(disk), always))
     np.testing.assert_array_equal(by_series, bisected)
     # Both verdicts occur, else nothing would be compared.
     assert 0.01 < by_series[0].mean() < 0.99
