@@ -235,7 +235,7 @@ class FallingProbability:
         return {
             "determinant_error": float(np.nanmax(abs(stretch.determinant - 1.0))),
             "determinant_rounding": float(np.nanmax(stretch.rounding)),
-            "push_forward_p_value": push_forward(self.disk, _LATER * self.disk.time_unit, seed=self.seed).p_value,
+            "push_forward_p_value": push_forward(self.disk, _LATER * self.disk.time_unit, rng=self.seed).p_value,
         }
 
     def _tests(self, delta: Array, tested: Estimate, hits: NDArray[np.int64]) -> dict[str, Any]:
