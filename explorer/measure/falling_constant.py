@@ -33,6 +33,7 @@ from explorer.phase.energy import energy_at, energy_at_flat, eta_to_eta_hat
 from explorer.phase.falling_set import barrier, well
 from explorer.phase.linear_constants import line_chart
 from explorer.phase.results import Table
+from explorer.phase.roots import roots_among
 from explorer.phase.states import Array
 
 # Independent scrambles, and points of each. Two standard errors from so many scrambles cover 93.6 %.
@@ -334,15 +335,15 @@ class _Integrand:
     @cached_property
     def _pieces(self) -> Array:
         """Ends of 2^k pieces of the range of phi, between which the line does not pass a corner of the box."""
-        low, high = self.density.reach("phi")
-        phi = np.linspace(low, high, _SCAN)
-        a, c = self._chart(phi)
-        ends = {low, high}
-        for sigma3, sigma4 in product(*map(self.density.reach, _RATES)):
-            off = c * sigma3 - a * sigma4
-            i = np.flatnonzero(off[:-1] * off[1:] < 0.0)
-            ends |= {*(phi[i] + (phi[i + 1] - phi[i]) * off[i] / (off[i] - off[i + 1]))}
-        pieces = np.array(sorted(ends))
+
+        def off(rates: tuple[float, ...], phi: Array) -> Array:
+            a, c = self._chart(phi.ravel())
+            return (c * rates[0] - a * rates[1]).reshape(phi.shape)
+
+        scan = np.linspace(*self.density.reach("phi"), _SCAN)
+        corners = product(*map(self.density.reach, _RATES))
+        crossings = [roots_among(partial(off, corner), scan) for corner in corners]
+        pieces = np.unique(np.concatenate([scan[[0, -1]], *crossings]))
         # Sobol points fill halves, quarters and so on evenly.
         while (count := pieces.size - 1) & (count - 1):
             widest = np.argmax(np.diff(pieces))
