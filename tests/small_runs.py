@@ -14,7 +14,7 @@ DELTAS = np.array([1e-5, 1e-8, 1e-11, 1e-14])
 def coverage(disk, density, runs, draws, seed):
     """Shares of `runs` whose 95 % interval holds: of C, of the slope, and of P at the first rung.
 
-    Every run has draws of its own, `draws` for each rung and face. The truth is C by quadrature.
+    Every run has draws of its own, `draws` for each rung and face. The truth is C by an integral over F.
     """
     constant = constant_of(disk, density)
     means, errors = np.empty((DELTAS.size, runs)), np.empty((DELTAS.size, runs))

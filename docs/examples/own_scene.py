@@ -25,7 +25,7 @@ class Periods(SampledScene):
         return Box((0.0, 0.0), (0.1, self.speed), (-1.0, 1.0), (-1.0, 1.0)).draw(random, count)
 
     def observe(self, drawn):  # what is found of some of them
-        found = ex.periods(ex.phi_to_states(self.disk, **drawn), self.accuracy)
+        found = ex.periods(ex.phi_to_states(self.disk, **drawn), accuracy=self.accuracy)
         return {"phidot": drawn["phidot"], "period": found.period, "status": found.status}
 
     def count(self, tally, table):  # what is added to the counts

@@ -144,10 +144,6 @@ class Density:
         """Whether a coordinate varies."""
         return name in self.box.free
 
-    def means(self, name: str) -> list[float]:
-        """The mean of a coordinate's own factor, if it has one."""
-        return [mean for which, (mean, _) in self.gaussian if which == name]
-
     def most(self, name: str) -> float:
         """The largest size of a coordinate."""
         return max(map(abs, self.reach(name)))
@@ -163,10 +159,10 @@ class Density:
         return values
 
     def factor(self, name: str, values: Array) -> Array:
-        """A coordinate's Gaussian factor."""
-        mean, deviation = dict(self.gaussian)[name]
-        bell: Array = np.exp(-0.5 * ((values - mean) / deviation) ** 2)
-        return bell
+        """A coordinate's own factor: a Gaussian, or 1."""
+        mean, deviation = self.bell(name) or (0.0, math.inf)
+        factor: Array = np.exp(-0.5 * ((values - mean) / deviation) ** 2)
+        return factor
 
     def called(self, columns: dict[str, Array]) -> Array:
         """The function at coordinates by name. Raises InputError where it is no density."""
@@ -226,43 +222,25 @@ class Density:
             good &= random.random(BLOCK) * self._bound < values
         return drawn, good
 
+    def bell(self, name: str) -> Range | None:
+        """Mean and standard deviation of a coordinate's own factor, if it has one."""
+        return dict(self.gaussian).get(name)
+
     def quantile(self, name: str, share: Array) -> Array:
         """The values of a coordinate below which these shares of its own factor in the box lie."""
-        low, high = self.box.ranges[name]
-        if name not in dict(self.gaussian):
-            evenly: Array = low + (high - low) * share
-            return evenly
-        from scipy.special import ndtri
-
-        mean, deviation = dict(self.gaussian)[name]
-        sign, first, last = self._tails(name)
-        inside: Array = np.clip(mean + sign * deviation * ndtri(first + (last - first) * share), low, high)
-        return inside
+        low, high = map(np.array, self.box.ranges[name])
+        return between(low, high, share, self.bell(name))[0]
 
     def factor_mass(self, name: str) -> float:
         """Integral of a coordinate's own factor over the box."""
-        low, high = self.box.ranges[name]
-        if name not in dict(self.gaussian):
-            return float(high - low)
-        _, first, last = self._tails(name)
-        return math.sqrt(2.0 * math.pi) * dict(self.gaussian)[name][1] * abs(last - first)
-
-    def _tails(self, name: str) -> tuple[float, float, float]:
-        """A direction, and the shares of a Gaussian that lie in it before both ends of the box.
-
-        It is that of the nearer tail: far from the middle the other one has no digits.
-        """
-        from scipy.special import ndtr
-
-        mean, deviation = dict(self.gaussian)[name]
-        low, high = ((end - mean) / deviation for end in self.box.ranges[name])
-        sign = -1.0 if low > 0.0 else 1.0
-        return sign, float(ndtr(sign * low)), float(ndtr(sign * high))
+        low, high = map(np.array, self.box.ranges[name])
+        at, length = between(low, high, np.array(0.5), self.bell(name))
+        return float(length * self.factor(name, at))
 
     def reach(self, name: str) -> Range:
         """The part of the box in which a coordinate's own factor is not zero in doubles."""
         low, high = self.box.ranges[name]
-        pair = dict(self.gaussian).get(name)
+        pair = self.bell(name)
         if pair is None:
             return low, high
         mean, deviation = pair
@@ -317,3 +295,24 @@ def _in_units(span: Range, unit: float) -> Range:
     """A range in units of another size, the smaller end first."""
     low, high = sorted(end / unit for end in span)
     return low, high
+
+
+def between(
+    low: Array, high: Array, share: Array, bell: Range | tuple[Array, Array] | None
+) -> tuple[Array, Array]:
+    """Numbers between low and high by their share of the way, and the length for a step of 1 in the share.
+
+    bell: mean and standard deviation of a Gaussian, in whose own measure the shares are then.
+    """
+    high = np.maximum(low, high)
+    if bell is None:
+        return low + (high - low) * share, high - low
+    from scipy.special import ndtr, ndtri
+
+    mean, deviation = bell
+    # In the nearer tail: far from the middle the other one has no digits.
+    sign = np.where(low > mean, -1.0, 1.0)
+    first, last = (ndtr(sign * (end - mean) / deviation) for end in (low, high))
+    at = np.clip(mean + sign * deviation * ndtri(first + (last - first) * share), low, high)
+    density = np.exp(-0.5 * ((at - mean) / deviation) ** 2) / (math.sqrt(2.0 * math.pi) * deviation)
+    return at, np.divide(abs(last - first), density, out=np.zeros(at.shape), where=density > 0.0)

@@ -138,7 +138,7 @@ class Factor:
 
     def pdf(self, values: Array) -> Array:
         low, high = self.support()
-        bell = self.density.factor(self.name, values) if self.density.means(self.name) else np.ones(values.shape)
+        bell = self.density.factor(self.name, values)
         return np.where((values >= low) & (values <= high), bell / self.density.factor_mass(self.name), 0.0)
 
     def ppf(self, share: ArrayLike) -> Array:

@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.measure import laws, statistics
-from explorer.measure.box_integrals import Integrator
 from explorer.measure.density import Density
 from explorer.measure.distributions import Distribution
-from explorer.measure.falling_constant import FallingConstant, constant_of
+from explorer.measure.falling_constant import FallingConstant, constant_of, mass_of
 from explorer.measure.importance_sampling import Tube
 from explorer.measure.invariance import flow_stretch, push_forward
 from explorer.measure.laws import SHAPE_BINS, Estimate
@@ -98,7 +97,7 @@ class FallingProbability:
 
     @cached_property
     def constant(self) -> FallingConstant:
-        """C by quadrature. Raises InputError where the density is zero in all of the box."""
+        """C by an integral over F. Raises InputError where the density is zero in all of the box."""
         return constant_of(self.disk, self.source)
 
     @cached_property
@@ -129,7 +128,7 @@ class FallingProbability:
         """The integral of the factors of the density's coordinates over that of the density."""
         density = self.source.seen_from(self.disk, 1)
         of_factors = math.prod(density.factor_mass(name) for name in density.box.free)
-        return of_factors / Integrator(self.disk, density).mass().value
+        return of_factors / mass_of(self.disk, self.source)
 
     # What is counted
 
@@ -235,7 +234,7 @@ class FallingProbability:
         return {
             "determinant_error": float(np.nanmax(abs(stretch.determinant - 1.0))),
             "determinant_rounding": float(np.nanmax(stretch.rounding)),
-            "push_forward_p_value": push_forward(self.disk, _LATER * self.disk.time_unit, seed=self.seed).p_value,
+            "push_forward_p_value": push_forward(self.disk, _LATER * self.disk.time_unit, rng=self.seed).p_value,
         }
 
     def _tests(self, delta: Array, tested: Estimate, hits: NDArray[np.int64]) -> dict[str, Any]:

@@ -7,6 +7,7 @@ are distributed as before after any time.
 
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 import scipy
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError, number, positive, whole
 from explorer.measure.density import Density
-from explorer.measure.sampling import Box, numbered_stream
+from explorer.measure.sampling import Box, stream_of
 from explorer.measure.statistics import either_p
 from explorer.motion.orbits import WITH_PLACES
 from explorer.motion.plan import plan
@@ -161,7 +162,7 @@ class Pushed:
 
 
 def push_forward(
-    disk: Disk, time: float, samples: int = 20_000, *, energy: float | None = None, seed: int = 0
+    disk: Disk, time: float, samples: int = 20_000, *, energy: float | None = None, rng: Any = 0
 ) -> Pushed:
     """Compare states drawn uniformly in phi, phidot, sigma3, sigma4 with others that have moved for some time.
 
@@ -175,8 +176,8 @@ def push_forward(
     energy : float, optional
         Only states with at most this energy are drawn; they form an invariant set (units of the disk; by default 3
         m g r).
-    seed : int
-        Of the draws.
+    rng : int, SeedSequence or Generator
+        Seed, or source of the random numbers.
 
     Returns
     -------
@@ -195,10 +196,10 @@ def push_forward(
     (True, 0)
     """
     require_axial_inertia(disk)
-    time, seed = positive("time", time), whole("seed", seed, 0, 2**128 - 1)
+    time, random = positive("time", time), stream_of(rng)
     samples = whole("samples", samples, _FEWEST, _MOST_SAMPLES)
     density = energy_density(disk, _HIGHEST * disk.energy_unit if energy is None else number("energy", energy))
-    still, start = (density.draw(disk, numbered_stream(seed, index), samples) for index in (0, 1))
+    still, start = (density.draw(disk, random, samples) for _ in range(2))
     states = phi_to_states(disk, **start)
     most = _STEPS_IN_ALL // samples
     motions = simulate(states, t_eval=[time], observables=COORDINATES, accuracy=_ACCURACY, max_steps=most)

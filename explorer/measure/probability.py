@@ -18,7 +18,7 @@ from explorer.errors import InputError, RunError, flag, number, shown, whole
 from explorer.measure import statistics
 from explorer.measure.distributions import Distribution
 from explorer.measure.importance_sampling import BLOCK, LARGEST_DELTA, NearFallingSet
-from explorer.measure.sampling import Stream
+from explorer.measure.sampling import Stream, stream_of
 from explorer.measure.tubes import widest_eta
 from explorer.motion.bounces import MOST, Bounces, bounces
 from explorer.motion.turning_points import smallest_tilts
@@ -185,7 +185,7 @@ def probability(
     require_axial_inertia(disk)
     source = Distribution.of(disk, coordinates, flag("degrees", degrees))
     count, samples = whole("count", count, 1, MOST), whole("samples", samples, 10, 10**9)
-    accuracy, random = number("accuracy", accuracy, 1e-13, 0.1), _stream(rng)
+    accuracy, random = number("accuracy", accuracy, 1e-13, 0.1), stream_of(rng)
     delta = None if callable(event) else read_delta("event", event)
     counted = _counted(source, event if callable(event) else delta, count, accuracy, samples, random)
     what = f"theta_min < {delta:g}" if delta is not None else getattr(event, "__name__", "the event")
@@ -221,13 +221,6 @@ def read_delta(name: str, event: Any) -> float:
     if not pair or parts[0] != "theta_min":
         raise InputError(f'{name} = {shown(event)}: give theta_min:DELTA, or ("theta_min", delta), or a function')
     return number(f"{name} theta_min", parts[1], 1e-100, 1.0)
-
-
-def _stream(rng: Any) -> Stream:
-    try:
-        return np.random.default_rng(rng)
-    except (TypeError, ValueError):
-        raise InputError(f"rng = {shown(rng)}: give a whole number, a SeedSequence or a Generator") from None
 
 
 class _Counted(NamedTuple):
@@ -279,7 +272,7 @@ def _seen(
     states: States, event: Callable[[Bounces], ArrayLike], count: int, accuracy: float
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Of which states the event is true, and of which that is not known."""
-    found, code = bounces(states, count, accuracy), compiled.status.Status
+    found, code = bounces(states, count, accuracy=accuracy), compiled.status.Status
     falls = found.status == code.FALLS
     found = replace(found, theta_min=np.where(falls, 0.0, found.theta_min))
     given = returned_numbers("event", event(found))

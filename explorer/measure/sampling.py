@@ -151,6 +151,14 @@ def numbered_stream(seed: int, number: int) -> Stream:
     return np.random.Generator(np.random.Philox(np.random.SeedSequence(seed, spawn_key=(number,))))
 
 
+def stream_of(rng: Any) -> Stream:
+    """The random stream of a seed, a SeedSequence or a Generator. Raises InputError."""
+    try:
+        return np.random.default_rng(rng)
+    except (TypeError, ValueError):
+        raise InputError(f"rng = {shown(rng)}: give a whole number, a SeedSequence or a Generator") from None
+
+
 def signs(unit: Array) -> Array:
     """1 where a uniform double is below 1/2, else -1."""
     return np.where(unit < 0.5, 1.0, -1.0)

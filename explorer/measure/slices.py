@@ -98,7 +98,8 @@ class SliceMap(Scan):
     Examples
     --------
     >>> import explorer as ex
-    >>> found = ex.slice_map(ex.Disk.uniform(), "phi=0,phidot=1,sigma3_bar=-2:2,eta_hat=-1:1", "race_angle", 5)
+    >>> plane = "phi=0,phidot=1,sigma3_bar=-2:2,eta_hat=-1:1"
+    >>> found = ex.slice_map(ex.Disk.uniform(), plane, "race_angle", points=5)
     >>> list(found), found["race_angle"].shape, found.y
     (['race_angle'], (5, 5), array([-1. , -0.5,  0. ,  0.5,  1. ]))
     """
@@ -141,6 +142,7 @@ def slice_map(
     disk: Disk,
     slice: Slice | str | Mapping[str, float | Range],
     observable: Observable = "theta_min",
+    *,
     points: int = 401,
     jobs: int = 1,
     method: str = "auto",
@@ -204,7 +206,7 @@ def slice_map(
     alone = isinstance(observable, str) and observable == "theta_min"
     if not alone and method != "auto":
         raise InputError(f"method {shown(method)}: is for the observable theta_min alone; leave it out")
-    found = scan(states, theta_min if alone else observable, jobs).values
+    found = scan(states, theta_min if alone else observable, jobs=jobs).values
     # One column, as `bounces` returns it, is one entry for each state.
     values = {name: each[..., 0] if each.shape[2:] == (1,) else each for name, each in found.items()}
     x, y = (ends / angle_unit(name, degrees) for name, ends in zip(where.axes, (x, y), strict=True))

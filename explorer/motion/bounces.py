@@ -91,7 +91,7 @@ class Bounces(Result):
 
 
 def bounces(
-    states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 1, *, method: str = "auto"
+    states: States, count: int = 1, *, accuracy: float = 1e-6, jobs: int = 1, method: str = "auto"
 ) -> Bounces:
     """The next `count` approaches to flat in the motion through each of `states`.
 

@@ -73,6 +73,7 @@ class Comparison:
 def compare(
     states: States,
     methods: Sequence[str] = ("quadrature", "dop853"),
+    *,
     count: int = 1,
     accuracy: float = 1e-6,
     jobs: int = 1,
@@ -113,8 +114,8 @@ def compare(
     found, seconds = dict[str, Bounces](), dict[str, float]()
     first = require_states(states)[:1]
     for method in asked:
-        bounces(first, 1, accuracy, method=method)  # so that no time is that of loading code
+        bounces(first, 1, accuracy=accuracy, method=method)  # so that no time is that of loading code
         began = time.perf_counter()
-        found[method] = bounces(states, count, accuracy, jobs, method=method)
+        found[method] = bounces(states, count, accuracy=accuracy, jobs=jobs, method=method)
         seconds[method] = time.perf_counter() - began
     return Comparison(found, seconds)

@@ -68,7 +68,7 @@ class Periods(Result):
     states: States
 
 
-def periods(states: States, accuracy: float = 1e-6, jobs: int = 1, *, method: str = "auto") -> Periods:
+def periods(states: States, *, accuracy: float = 1e-6, jobs: int = 1, method: str = "auto") -> Periods:
     """Periods of the motions through `states`.
 
     Parameters
@@ -101,7 +101,7 @@ def periods(states: States, accuracy: float = 1e-6, jobs: int = 1, *, method: st
     --------
     >>> import explorer as ex
     >>> states = ex.constants_to_states(ex.Disk.uniform(), 1.0, 0.01, 1.0)
-    >>> ex.periods(states, 1e-9).period.round(6)
+    >>> ex.periods(states, accuracy=1e-9).period.round(6)
     array([3.530913])
     """
     require_axial_inertia(require_states(states).disk)

@@ -92,7 +92,7 @@ class Scan(Table):
         return np.array(values, dtype=dtype) if copy else np.asarray(values, dtype=dtype)
 
 
-def scan(states: States, observable: Observable, jobs: int = 1, batch: int = BATCH) -> Scan:
+def scan(states: States, observable: Observable, *, jobs: int = 1, batch: int = BATCH) -> Scan:
     """Compute observables of every state: by name, or by a function of your own.
 
     Parameters

@@ -107,7 +107,7 @@ def wander(states: States) -> Wander:
     (True, array([0, 0], dtype=int8))
     """
     require_axial_inertia(require_states(states).disk)
-    each = periods(states[:], _ACCURACY)
+    each = periods(states[:], accuracy=_ACCURACY)
     shift, status = np.full((len(states), 3), np.nan), each.status.copy()
     for row in np.flatnonzero(each.ok).tolist():
         moved = simulate(states[row], t_eval=each.period[[row]], observables=("path",), accuracy=_ACCURACY)
@@ -159,7 +159,7 @@ def resonance(
     from scipy.optimize import brentq
 
     def excess(sigma3_bar: float) -> float:
-        period = periods(constants_to_states(disk, sigma3_bar, eta_hat, phidot), _ACCURACY)
+        period = periods(constants_to_states(disk, sigma3_bar, eta_hat, phidot), accuracy=_ACCURACY)
         require_ok(period, f"between: no period at sigma3_bar = {sigma3_bar:g}; give another range")
         return float(period.chi[0]) / (2.0 * math.pi) - whole_turns
 

@@ -46,7 +46,7 @@ _WORDS = ("E", "A", "τ", "χ(τ) − χ(0)", "ψ(τ) − ψ(0)", "θ_min", "|a(
 def by_quadrature(disk: Disk, eta_hat: float) -> Row:
     """Eq. (3.13) and its like for the angles; the travel, which has no quadrature here, by the plain equations."""
     state = start(disk, eta_hat)
-    whole = periods(state, _ACCURACY)
+    whole = periods(state, accuracy=_ACCURACY)
     falling = passages(disk, SIGMA3, eta_hat, PHIDOT, accuracy=_ACCURACY)
     tau = float(whole.period[0])
     sigma4 = float(state.rows.sigma4[0])
@@ -68,7 +68,7 @@ def by_integration(disk: Disk, eta_hat: float) -> Row:
     def at(times: Any) -> Any:
         return followed(disk, start(disk, eta_hat), times, _ACCURACY)
 
-    guess = periods(start(disk, eta_hat), 1e-6).period
+    guess = periods(start(disk, eta_hat), accuracy=1e-6).period
     for _ in range(2):  # Newton's steps
         end = at(guess)
         guess = guess - end.phi / end.phidot

@@ -154,7 +154,7 @@ def short_periods() -> Iterator[Finding]:
         beside = coordinates_to_states(
             disk, phi=0.5 * np.pi - tilts, phidot=-speeds, sigma3_bar=1.0, eta_hat=1e-14
         )
-        tau = periods(beside, 1e-10).period
+        tau = periods(beside, accuracy=1e-10).period
         ratio, want, printed = tau / np.sqrt(excess), 2.0**1.5 * np.sqrt(M), 2.0**1.5 / np.sqrt(M)
         text, why = (
             f"{disk.name}: period/√(E−V₀) at η̂ = 1e-14, E ↓ V₀; as printed M^(−1/2)",

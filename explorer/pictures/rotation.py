@@ -85,5 +85,5 @@ def rotation_numbers(disk: Disk, energy: float, points: int) -> tuple[Array, Arr
     phidot = np.sqrt(left[rows, columns] / body.M)
     states = phi_to_states(disk, 0.0, phidot * unit, x[columns] * unit, y[rows] * unit)
     turns = np.full(left.shape, np.nan)
-    turns[rows, columns] = periods(states, 1e-4).chi / (2.0 * np.pi)  # a hundredth of what a colour shows
+    turns[rows, columns] = periods(states, accuracy=1e-4).chi / (2.0 * np.pi)  # a hundredth of what a colour shows
     return x * unit, y * unit, turns

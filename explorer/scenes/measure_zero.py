@@ -2,7 +2,7 @@
 
 Plain draws count how many states come flatter than delta, and how many fall. Where they have no hits, draws
 in tubes near F estimate P(theta_min < delta) with weights, rung by rung of a ladder of delta. The law is
-P = C delta, C by quadrature over F; it is fitted, tested, and compared with laws that it is not.
+P = C delta, C by an integral over F; it is fitted, tested, and compared with laws that it is not.
 """
 
 from collections.abc import Iterator

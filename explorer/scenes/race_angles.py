@@ -257,7 +257,7 @@ class Anywhere(RaceAngles):
         return self.bounces
 
     def observe(self, block: Block) -> Table:
-        found = bounces(block.states, self.rows, self.accuracy, method=self.plan.method)
+        found = bounces(block.states, self.rows, accuracy=self.accuracy, method=self.plan.method)
         results = motion_constants(found) | {name: getattr(found, name) for name in (*_OF_BOUNCE, "status")}
         table = {name: values.ravel() for name, values in results.items()}
         return block.at(np.repeat(np.arange(len(block.states)), self.rows)).with_results(table)

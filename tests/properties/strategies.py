@@ -85,6 +85,7 @@ SENSIBLE = {
     "time": st.sampled_from([0.3, 1.0]),
     "samples": st.sampled_from([60, 200]),
     "seed": st.sampled_from([0, 7]),
+    "rng": st.sampled_from([0, 7]),
     "box": boxes,
     "gaussian": st.sampled_from([None, "phidot=0.5:0.3"]),
     "slice": st.sampled_from(

@@ -33,7 +33,7 @@ CALLS = {
     "slice_map": "disk slice points degrees?",
     "falling_constant": "disk box energy? gaussian?",
     "probability": "disk samples! count? accuracy? degrees? phi phidot sigma3 sigma4",
-    "push_forward": "disk time samples seed?",
+    "push_forward": "disk time samples rng?",
     "run": "scene disk samples! eta_hat? seed? accuracy? method? chunk_size? box? jobs?",
     "Disk": "I1 I3 m? r? g?",
     "Disk.annulus": "inner m? r?",

@@ -6,6 +6,7 @@ import warnings
 import numpy as np
 import pytest
 from conftest import BODIES
+from scipy.integrate import nquad
 
 import explorer as ex
 from explorer.measure.density import Density
@@ -45,15 +46,21 @@ def by_grid(disk, box, points, energy=math.inf):
     return total
 
 
-KNOWN = {"uniform": 1.46927077, "hoop": 1.21297997, "matching": 1.34905541}
+# By adaptive Gauss quadrature, to 1e-12
+KNOWN = {"uniform": 1.469270773946, "hoop": 1.212979973006, "matching": 1.349055411161}
+
+
+def same(one, other):
+    """Whether two constants agree within three of their standard errors."""
+    return abs(one.value - other.value) <= 3.0 * math.hypot(one.error, other.error)
 
 
 @pytest.mark.parametrize(("name", "value"), KNOWN.items())
 def test_the_default_box_gives_the_known_constant(name, value):
     """The first stands in the mathematics to six digits, the others are ours, checked by the grids below."""
     found = falling_constant(BODIES[name])
-    assert found.value == pytest.approx(value, abs=1e-7)
-    assert found.error < 1e-8
+    assert found.value == pytest.approx(value, rel=1e-9)
+    assert found.error < 1e-9
     assert found.plus == pytest.approx(found.minus, rel=1e-12)
 
 
@@ -68,7 +75,7 @@ def test_the_default_box_gives_the_known_constant(name, value):
         "phi=-0.6:1.2,sigma3=0.2:0.4,sigma4=-0.3:1",
     ],
 )
-def test_quadrature_agrees_with_a_grid_of_states_on_the_line(name, box):
+def test_points_agree_with_a_grid_of_states_on_the_line(name, box):
     """Membership by `could_fall`, A by `impact_speed`, the line from two states: nothing in common but F."""
     disk = BODIES[name]
     density = Density.of(disk, box)
@@ -79,7 +86,7 @@ def test_quadrature_agrees_with_a_grid_of_states_on_the_line(name, box):
     slow = by_grid(disk, ends, points)
     slow /= math.prod(ends[n][1] - ends[n][0] for n in density.box.free)
     assert found.value == pytest.approx(slow, rel=1e-2 if tilted else 4e-3)
-    assert found.error < 1e-5 * found.value
+    assert found.error < 1e-4 * found.value
 
 
 def test_an_energy_cut_agrees_with_a_grid():
@@ -98,15 +105,92 @@ def test_the_mass_of_an_energy_cut_is_the_volume_of_its_ellipsoids():
     phi = 0.5 * math.pi * np.sin(0.5 * math.pi * (np.arange(20_000) + 0.5) / 10_000 - 0.5 * math.pi)
     step = 0.25 * math.pi**2 * np.cos(0.5 * math.pi * (np.arange(20_000) + 0.5) / 10_000 - 0.5 * math.pi) / 10_000
     axes = (2.0 * (E - np.cos(phi))) ** 1.5 * np.cos(phi) / math.sqrt(b.M * b.J * b.I1)
-    assert found.mass == pytest.approx(float((4.0 / 3.0 * math.pi * axes * step).sum()), rel=1e-6)
+    assert found.mass == pytest.approx(float((4.0 / 3.0 * math.pi * axes * step).sum()), rel=1e-5)
+
+
+@pytest.mark.parametrize("name", ["uniform", "coin"])
+def test_the_mass_is_the_integral_of_the_density(name):
+    """A Gaussian and a function, against nested quadrature by scipy; natural units and SI."""
+    disk = BODIES[name]
+    u = disk.rate_unit
+    box = f"phi=-1:0.5,phidot={-u}:{2 * u},sigma3={0.3 * u},sigma4={-u}:{u}"
+    found = falling_constant(
+        disk,
+        box,
+        gaussian=f"phidot={0.5 * u}:{0.4 * u}",
+        density=lambda phi, phidot, sigma3, sigma4: 1.0 + phi**2 * (sigma4 / u) ** 2,
+    )
+
+    def value(phi, phidot, sigma4):
+        return math.exp(-0.5 * ((phidot - 0.5) / 0.4) ** 2) * (1.0 + phi**2 * sigma4**2)
+
+    exact = nquad(value, [(-1.0, 0.5), (-1.0, 2.0), (-1.0, 1.0)])[0]
+    assert found.mass == pytest.approx(exact, rel=1e-6)
+
+
+def test_a_box_alone_has_the_mass_of_its_sides():
+    density = Density.of(ex.Disk.uniform(), "phi=0,phidot=-1:2,sigma3=0:1,sigma4=-2:2")
+    assert constant_of(ex.Disk.uniform(), density).mass == pytest.approx(12.0, rel=1e-13)
+    assert density.factor_mass("sigma4") == 4.0
+
+
+# Constants by adaptive Gauss quadrature, to 1e-7 of their value or better; of the narrow functions as Gaussians.
+CASES = {
+    "a tilt": ({"box": "phi=0.4"}, 1.8388477686),
+    "a corner of the box": ({"box": "phi=-1:1,sigma3=0.5:0.501,sigma4=0.6:0.601"}, 3.7574240217),
+    "energies": ({"box": "phi=-1:1", "energy": (None, 2.0)}, 1.7666307855),
+    "Gaussians": ({"gaussian": "sigma3=0.3:0.5,phidot=0:1"}, 1.2115058783),
+    "a line": ({"density": lambda _, phidot, *__: np.exp(-0.5 * ((phidot - 0.377) / 1e-3) ** 2)}, 1.2298361656),
+    "a band": ({"density": lambda *columns: np.exp(-0.5 * ((columns[2] - 0.377) / 1e-2) ** 2)}, 1.3008081446),
+}
+
+
+def test_the_stated_error_holds_neither_too_small_nor_too_large():
+    """Of 60 constants 67 % lie within one error of 16 scrambles, 94 % within two, give or take four deviations."""
+    disk, off = ex.Disk.uniform(), []
+    for i, (given, truth) in enumerate(CASES.values()):
+        density = Density.of(disk, **given)
+        found = [constant_of(disk, density, seed) for seed in range(10 * i, 10 * i + 10)]
+        off += [abs(each.value - truth) / each.error for each in found]
+    assert 25 <= np.sum(np.array(off) < 1.0) <= 55
+    assert np.sum(np.array(off) < 2.0) >= 48
+
+
+@pytest.mark.parametrize(("given", "truth"), CASES.values(), ids=CASES)
+def test_a_call_gives_the_same_number_every_time_and_that_is_known(given, truth):
+    one, other = (falling_constant(ex.Disk.uniform(), **given) for _ in range(2))
+    assert one.value == other.value
+    assert one.value == pytest.approx(truth, rel=1e-3)
+
+
+def test_a_density_that_is_finer_than_any_points_has_the_constant_of_its_mean():
+    flat = falling_constant(ex.Disk.uniform(), "phi=-1:1")
+    fine = falling_constant(ex.Disk.uniform(), "phi=-1:1", density=lambda phi, *_: abs(np.sin(1e9 * phi)))
+    assert abs(fine.value - flat.value) <= 4.0 * fine.error < 0.01
+
+
+def test_a_long_integral_looks_at_few_points_at_a_time_and_ends_where_it_is_interrupted():
+    """Python hears Ctrl-C between two looks."""
+    sizes = []
+
+    def noise(phi, phidot, sigma3, sigma4):
+        sizes.append(phi.size)
+        if len(sizes) == 20:
+            raise KeyboardInterrupt
+        return abs(np.sin(1e8 * (phi + phidot + sigma3 + sigma4)))
+
+    with pytest.raises(KeyboardInterrupt):
+        falling_constant(ex.Disk.uniform(), "phi=-1:1", density=noise)
+    assert len(sizes) == 20
+    assert max(sizes) <= 1 << 16
 
 
 def test_energy_shells_add_up():
     disk = ex.Disk.hoop()
     shells = [falling_constant(disk, "phi=-0.8:0.8", energy=e) for e in ((None, 2.0), (2.0, 3.0), (3.0, None))]
     whole = falling_constant(disk, "phi=-0.8:0.8")
-    assert sum(s.mass for s in shells) == pytest.approx(whole.mass, rel=1e-6)
-    assert sum(s.mass * s.value for s in shells) == pytest.approx(whole.mass * whole.value, rel=1e-5)
+    assert sum(s.mass for s in shells) == pytest.approx(whole.mass, rel=1e-4)
+    assert sum(s.mass * s.value for s in shells) == pytest.approx(whole.mass * whole.value, rel=1e-4)
 
 
 def test_units_do_not_matter():
@@ -132,7 +216,7 @@ def test_gaussians_in_words_and_in_python_agree():
     def bell(phi, phidot, sigma3, sigma4):
         return 7.0 * np.exp(-0.5 * ((sigma3 - 0.3) / 0.5) ** 2 - 0.5 * phidot**2)
 
-    assert falling_constant(disk, density=bell).value == pytest.approx(words.value, rel=1e-6)
+    assert same(falling_constant(disk, density=bell), words)
     assert words.value != pytest.approx(falling_constant(disk).value, rel=1e-2)
 
 
@@ -152,7 +236,9 @@ def test_a_density_that_does_not_vanish_at_flat_has_none_unless_the_energy_is_bo
     assert falling_constant(disk, FULL).value == math.inf
     vanishing = Density.of(disk, FULL, density=lambda phi, *_: np.cos(phi) ** 2)
     assert constant_of(disk, vanishing).value < math.inf
-    assert falling_constant(disk, FULL, energy=":3").value == pytest.approx(2.1468059, abs=2e-6)
+    bounded = falling_constant(disk, FULL, energy=":3")
+    assert bounded.value == pytest.approx(2.1468058, abs=3.0 * bounded.error)
+    assert bounded.error < 1e-4
 
 
 @pytest.mark.parametrize(
@@ -182,33 +268,36 @@ def test_bad_input_is_named(options, message):
     [
         (lambda phi, *_: np.full_like(phi, 1e308), "overflows doubles; divide the density by its largest value"),
         (lambda phi, *_: np.full_like(phi, 1e-320), "too small for doubles; multiply the density by 1e300"),
-        (lambda _, phidot, *__: np.exp(-(((phidot - 0.377) / 1e-3) ** 2)), "shrink the box to where it is large"),
-        (lambda _, phidot, *__: np.exp(-(((phidot - 0.377) / 1e-2) ** 2)), "shrink the box to where it is large"),
-        (lambda *columns: np.exp(-(((columns[2] - 0.377) / 1e-2) ** 2)), "shrink the box to where it is large"),
+        (lambda *columns: np.exp(-sum((column / 0.02) ** 2 for column in columns)), "shrink the box to where"),
+        (
+            lambda *columns: np.exp(-sum((column / 1e-6) ** 2 for column in columns[1:])),
+            "is zero in all of the box",
+        ),
     ],
-    ids=["huge", "tiny", "a line", "a band", "a band of sigma3"],
+    ids=["huge", "tiny", "a needle", "a thinner needle"],
 )
 def test_no_constant_is_given_of_a_density_whose_integral_is_not_known(density, words):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         with pytest.raises(ex.InputError, match=words):
-            falling_constant(ex.Disk.uniform(), density=density)
+            falling_constant(ex.Disk.uniform(), "phi=-1:1", density=density)
 
 
 def test_a_density_that_nearly_overflows_or_vanishes_has_the_constant_of_its_shape():
     for scale in (1e300, 1e-285):
         found = falling_constant(ex.Disk.uniform(), density=lambda phi, *_, scale=scale: np.full_like(phi, scale))
-        assert found.value == pytest.approx(KNOWN["uniform"], abs=1e-7)
+        assert found.value == pytest.approx(KNOWN["uniform"], rel=1e-6)
 
 
-def test_a_box_that_is_shrunk_to_a_narrow_density_gives_what_that_alone_can_draw():
+def test_a_box_that_is_shrunk_to_a_narrow_density_gives_more_digits():
     """The remedy of the message: a Gaussian factor by hand, and by `gaussian`, whose width is known."""
     disk, box = ex.Disk.uniform(), "phidot=0.327:0.427"
     found = falling_constant(
         disk, box, density=lambda _, phidot, *__: np.exp(-0.5 * ((phidot - 0.377) / 1e-2) ** 2)
     )
     known = falling_constant(disk, gaussian="phidot=0.377:0.01")
-    assert found.value == pytest.approx(known.value, rel=1e-5)
+    assert same(found, known)
+    assert found.error < 1e-4
 
 
 def test_a_density_is_asked_in_its_box_alone():
@@ -216,4 +305,5 @@ def test_a_density_is_asked_in_its_box_alone():
     disk, box = ex.Disk.uniform(), {"phi": 0.3, "sigma3": (-1, 1), "sigma4": (-1, 1)}
     whole = falling_constant(disk, {**box, "phidot": (-2, 2)}, density=lambda _, phidot, *__: abs(phidot))
     half = falling_constant(disk, {**box, "phidot": (0, 2)}, density=lambda _, phidot, *__: phidot)
-    assert half.value == pytest.approx(whole.value, rel=1e-9)
+    assert same(half, whole)
+    assert whole.error < 1e-6

@@ -39,14 +39,14 @@ def test_the_determinant_stays_one_beside_f_to_the_rounding_of_its_stretch(eta_h
 
 def test_states_of_the_measure_are_distributed_as_before_and_others_are_not(monkeypatch):
     disk = ex.Disk.hoop()
-    good = ex.push_forward(disk, 4.0, 20_000, seed=2)
+    good = ex.push_forward(disk, 4.0, 20_000, rng=2)
     assert good.failed == 0
     assert good.p_value > 0.01
     # The measure times cos(phi) is not invariant.
     right = invariance.energy_density
     wrong = partial(replace, function=lambda phi, *_: np.cos(phi))
     monkeypatch.setattr(invariance, "energy_density", lambda *given: wrong(right(*given)))
-    bad = ex.push_forward(disk, 4.0, 20_000, seed=2)
+    bad = ex.push_forward(disk, 4.0, 20_000, rng=2)
     assert bad.p_value < 1e-6
 
 
@@ -54,7 +54,7 @@ def test_p_values_of_the_invariant_measure_are_spread_evenly():
     """Eleven independent tests: neither all small nor all large."""
     disk = ex.Disk.uniform(m=2.0, r=0.3, g=9.81)
     time = 3.0 * disk.time_unit
-    found = [ex.push_forward(disk, time, 4000, seed=s).p_values["sigma4"] for s in range(11)]
+    found = [ex.push_forward(disk, time, 4000, rng=s).p_values["sigma4"] for s in range(11)]
     assert min(found) > 1e-3
     assert 0.1 < np.median(found) < 0.9
 

@@ -40,7 +40,7 @@ def test_bounces_from_the_vertical_are_the_passages(name, eta_hat):
 @pytest.mark.parametrize("name", DISKS)
 def test_the_bounces_of_a_period_add_up_to_it(name):
     states = anywhere(DISKS[name], 300, 1)
-    periods, bounces = ex.periods(states, 1e-9), ex.bounces(states, 3, 1e-9)
+    periods, bounces = ex.periods(states, accuracy=1e-9), ex.bounces(states, 3, accuracy=1e-9)
     crosses, known = periods.crosses, (periods.status == 0) & (bounces.status[:, 0] == 0)
     assert crosses[known].any()
     assert (~crosses[known]).any()
@@ -57,7 +57,7 @@ def test_the_bounces_of_a_period_add_up_to_it(name):
 def test_the_disk_is_flattest_when_a_bounce_says_so():
     disk = DISKS["hoop"]
     states = anywhere(disk, 40, 2)
-    bounces = ex.bounces(states, 3, 1e-10)
+    bounces = ex.bounces(states, 3, accuracy=1e-10)
     for i in np.flatnonzero(bounces.status[:, 0] == 0):
         motion = ex.simulate(states[i], t_eval=bounces.time[i], observables=("phi", "phidot"), accuracy=1e-11)
         np.testing.assert_allclose(0.5 * np.pi - abs(motion.phi[0]), bounces.theta_min[i], atol=1e-8)
@@ -138,9 +138,9 @@ def test_a_cloud_about_steady_motion_is_known_to_any_accuracy(accuracy):
     tilt = np.radians(10.0 + normal[0])
     states = ex.rates_to_states(coin, tilt, 0.5 * normal[1], 60.0 + normal[2], spin + 0.5 * normal[3])
     bounces, periods, best = (
-        ex.bounces(states, 2, accuracy),
-        ex.periods(states, accuracy),
-        ex.periods(states, 1e-12),
+        ex.bounces(states, 2, accuracy=accuracy),
+        ex.periods(states, accuracy=accuracy),
+        ex.periods(states, accuracy=1e-12),
     )
     assert bounces.ok.all()
     assert periods.ok.all()
@@ -163,9 +163,12 @@ def test_a_narrow_well_beside_the_vertical_is_known_to_any_accuracy(accuracy):
         random.uniform(-900.0, 900.0, n),
         degrees=True,
     )
-    bounces = ex.bounces(states, 1, accuracy)
+    bounces = ex.bounces(states, 1, accuracy=accuracy)
     assert bounces.ok.all()
-    best, stepped = ex.bounces(states, 1, 1e-10), ex.bounces(states[:500], 1, 1e-8, method="dop853")
+    best, stepped = (
+        ex.bounces(states, 1, accuracy=1e-10),
+        ex.bounces(states[:500], 1, accuracy=1e-8, method="dop853"),
+    )
     both = best.ok[:500] & stepped.ok
     assert both.sum() > 490
     np.testing.assert_allclose(stepped.delta_chi[both], best.delta_chi[:500][both], atol=1e-7)
@@ -178,7 +181,7 @@ def test_a_disk_that_spins_upright_comes_down_on_both_faces_in_turn():
     """It wobbles about the vertical: half a period on either face, while the wobble can be told from none."""
     disk = DISKS["hoop"]
     bounces = ex.bounces(ex.phi_to_states(disk, 0.0, [1e-1, 1e-3, 1e-6], 2.0, 0.0), 2)
-    periods = ex.periods(ex.phi_to_states(disk, 0.0, [1e-1, 1e-3, 1e-6, 1e-12, 0.0], 2.0, 0.0), 1e-10)
+    periods = ex.periods(ex.phi_to_states(disk, 0.0, [1e-1, 1e-3, 1e-6, 1e-12, 0.0], 2.0, 0.0), accuracy=1e-10)
     assert bounces.ok.all()
     assert periods.ok.all()
     assert bounces.face.tolist() == [[1, -1]] * 3

@@ -21,7 +21,7 @@ def at_rest(disk):
 @pytest.mark.parametrize("method", INTEGRATORS)
 def test_bounces_by_integration_are_those_by_quadrature(body, method):
     for states in (ex.phi_to_states(body, *DRAWN), at_rest(body)):
-        exact, found = (ex.bounces(states, 3, 1e-7, method=by) for by in ("quadrature", method))
+        exact, found = (ex.bounces(states, 3, accuracy=1e-7, method=by) for by in ("quadrature", method))
         assert found.ok.mean() > 0.97
         both = found.ok & exact.ok
         for name in ("face", "side"):
@@ -37,7 +37,7 @@ def test_bounces_by_integration_are_those_by_quadrature(body, method):
 @pytest.mark.parametrize("method", INTEGRATORS)
 def test_periods_by_integration_are_those_by_quadrature(body, method):
     states = ex.phi_to_states(body, *DRAWN)
-    exact, found = (ex.periods(states, 1e-7, method=by) for by in ("quadrature", method))
+    exact, found = (ex.periods(states, accuracy=1e-7, method=by) for by in ("quadrature", method))
     assert found.ok.mean() > 0.97
     both = found.ok & exact.ok
     np.testing.assert_array_equal(found.crosses[both], exact.crosses[both])
@@ -49,7 +49,7 @@ def test_periods_by_integration_are_those_by_quadrature(body, method):
 
 def test_an_eta_that_was_given_is_integrated_too():
     states = ex.constants_to_states(BODIES["uniform"], 1.0, [1e-9, -1e-12], 1.0)
-    found = ex.bounces(states, 2, 1e-8, method="dop853")
+    found = ex.bounces(states, 2, accuracy=1e-8, method="dop853")
     np.testing.assert_allclose(found.race_angle[:, 0], [7.0248147, -7.0248147], atol=1e-6)
     np.testing.assert_allclose(found.theta_min, ex.bounces(states, 2).theta_min, rtol=1e-8)
 

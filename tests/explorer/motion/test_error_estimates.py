@@ -250,7 +250,7 @@ def test_estimates_cover_many_periods_of_fast_spins(name, method, accuracy):
     sigma4 = 30.0 * rng.normal(size=n)
     phi[0], phidot[0], sigma3[0], sigma4[0] = 0.80858, -0.021278, -0.806347, -99.416567
     states = ex.phi_to_states(disk, phi, phidot, sigma3 * np.cos(phi), sigma4)
-    true, ratios = ex.periods(states, 1e-11), []
+    true, ratios = ex.periods(states, accuracy=1e-11), []
     for i in np.flatnonzero(true.ok):
         count = max(1.0, 10.0 // true.period[i])
         t = [count * true.period[i]]

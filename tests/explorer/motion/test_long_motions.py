@@ -18,7 +18,7 @@ def test_constants_stay_bounded_and_angles_drift_in_proportion(accuracy):
         ex.constants_to_states(COIN, unit, 0.01 * unit, unit),
         np.unique(np.geomspace(1, 1000, 31).round()),
     )
-    whole, first = ex.periods(start, 1e-11), ex.constants(start)
+    whole, first = ex.periods(start, accuracy=1e-11), ex.constants(start)
     observables = ("phi", "phidot", "sigma3", "sigma4", "chi")
     times = counts * whole.period[0]
     motion = trajectories(start, None, times, observables=observables, accuracy=accuracy, max_steps=10**7)

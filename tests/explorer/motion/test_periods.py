@@ -23,7 +23,7 @@ ROWS = {  # mathematics, section 10
 @pytest.mark.parametrize("key", ROWS, ids=str)
 def test_whole_periods_of_the_figures(key):
     name, eta_hat = key
-    got = ex.periods(constants_to_states(BODIES[name], 1.0, eta_hat, 1.0), 1e-11)
+    got = ex.periods(constants_to_states(BODIES[name], 1.0, eta_hat, 1.0), accuracy=1e-11)
     assert (got.period[0], got.chi[0], got.psi[0]) == pytest.approx(ROWS[key], abs=1e-8)
     assert got.crosses[0]
 
@@ -33,7 +33,7 @@ def test_periods_without_crossing_the_vertical_bring_the_motion_back():
     disk = BODIES["hoop"]
     n = 60
     states = np.column_stack([rng.uniform(0.3, 1.4, n) * rng.choice([-1, 1], n), rng.uniform(-0.2, 0.2, (n, 3))])
-    got = ex.periods(phi_to_states(disk, *states.T), 1e-9)
+    got = ex.periods(phi_to_states(disk, *states.T), accuracy=1e-9)
     inside = (got.status == 0) & ~got.crosses & (got.theta_min > 1e-3)
     assert inside.sum() > 20
     for i in np.flatnonzero(inside)[:12]:
@@ -59,7 +59,7 @@ def test_slow_rocking_near_flat_turns_by_the_eulers_disk_angle():
         excess = math.sqrt(2 * (1.001 - 1) * 1.5 * theta0 / b.M)
         bar = ex.constants(ex.theta_to_states(disk, theta0, excess, eta / b.I1, 0.0)).sigma3_bar
         given = {"phi": 0.5 * math.pi - theta0, "phidot": -excess, "sigma3_bar": bar}
-        got = ex.periods(ex.coordinates_to_states(disk, **given, eta_hat=eta / (b.I3 * b.r0)), 1e-6)
+        got = ex.periods(ex.coordinates_to_states(disk, **given, eta_hat=eta / (b.I3 * b.r0)), accuracy=1e-6)
         assert got.status[0] == ex.Status.OK
         assert got.chi[0] / np.pi == pytest.approx(turn, abs=2e-3)
 
@@ -92,7 +92,7 @@ def test_periods_of_steady_motions_are_those_of_the_linear_wobble(name):
     steady = ex.steady_motions(disk, tilt, rate, face=np.tile([1, 1, -1, -1], 3))
     q, z, _, rho, sigma4 = steady.states.rows
     curvature = curvature_of(q, z, q * rho, sigma4, disk.body) * disk.energy_unit
-    found = ex.periods(steady.states, 1e-10)
+    found = ex.periods(steady.states, accuracy=1e-10)
     assert steady.stable.all()
     assert steady.ok.all()
     assert found.ok.all()
@@ -107,7 +107,7 @@ def test_periods_of_steady_motions_are_those_of_the_linear_wobble(name):
     for push in (1e-2, 1e-4, 1e-9, 1e-300):
         rates = push * tilt * disk.rate_unit * np.sqrt(np.maximum(1.0, 1.0 / tilt))
         pushed = ex.phi_to_states(disk, steady.states.phi, rates, steady.states.sigma3, steady.states.sigma4)
-        wobble = ex.periods(pushed, 1e-10)
+        wobble = ex.periods(pushed, accuracy=1e-10)
         assert wobble.ok.all()
         np.testing.assert_allclose(wobble.period, expected, rtol=10.0 * push**2 + 1e-9)
 
@@ -133,14 +133,14 @@ def test_beside_the_vertical_periods_are_told_by_their_errors_from_either_face(i
     upright = constants_to_states(disk, rng.normal(0.0, 1.2, n), eta_hat, -rng.uniform(0.02, 2.5, n), -1)
     natural = np.array(upright.natural)
     natural[1] = 1e-16  # of z = cos theta: in the hemisphere of face +1
-    beside, true = dataclasses.replace(upright, natural=natural), ex.periods(upright, 1e-10)
+    beside, true = dataclasses.replace(upright, natural=natural), ex.periods(upright, accuracy=1e-10)
     for accuracy in (1e-2, 1e-6, 1e-10):
-        found = ex.periods(beside, accuracy)
+        found = ex.periods(beside, accuracy=accuracy)
         known = found.ok & true.ok
         error = 10.0 * (found.error_estimate + true.error_estimate)[known]
         assert (abs(found.psi - true.psi)[known] <= error).all()
         assert found.ok.mean() > (0.99 if accuracy > 1e-7 else 0.9)
-    assert ex.bounces(beside, 2, 1e-2).ok.mean() > 0.9
+    assert ex.bounces(beside, 2, accuracy=1e-2).ok.mean() > 0.9
 
 
 def test_a_disk_at_rest_on_a_crest_of_the_potential_has_no_period():
@@ -157,7 +157,7 @@ def test_where_a_crest_lies_close_beyond_a_turning_point_its_rounding_is_estimat
         BODIES["uniform"], -0.5017996019765992, 0.5175905567043116, -0.13049307588008152, 0.16551832927098242
     )
     for accuracy in (1e-8, 1e-6, 1e-3, 1e-1):
-        found = ex.periods(states, accuracy)
+        found = ex.periods(states, accuracy=accuracy)
         if found.status[0] == ex.Status.OK:
             assert abs(found.period[0] / 49.691376 - 1.0) <= 3.0 * found.error_estimate[0]
             assert abs(found.chi[0] + 13.281190) <= 3.0 * found.error_estimate[0]
@@ -169,7 +169,7 @@ def test_a_kick_off_a_crest_of_the_potential_has_a_period(phidot, accuracy):
     """Of unstable rolling at a tilt of 1.3; the second one is 107.789119 in 40 digits."""
     disk = BODIES["uniform"]
     steady = ex.steady_motions(disk, 1.3, -0.7).states
-    found = ex.periods(ex.phi_to_states(disk, steady.phi, phidot, steady.sigma3, steady.sigma4), accuracy)
+    found = ex.periods(ex.phi_to_states(disk, steady.phi, phidot, steady.sigma3, steady.sigma4), accuracy=accuracy)
     assert found.status[0] == ex.Status.OK
     if phidot == 1e-4:
         assert abs(found.period[0] - 107.789119) < 1e-6
@@ -210,7 +210,7 @@ def test_small_swings_by_integration_err_by_what_is_estimated(name, method):
     )
     swing = np.repeat(10.0 ** -np.arange(3.0, 15.0, 2.0), steady.ok.sum())
     states = ex.phi_to_states(body, phi + swing, 0.0, sigma3, sigma4)
-    found, true = ex.periods(states, accuracy, method=method), ex.periods(states, 1e-2)
+    found, true = ex.periods(states, accuracy=accuracy, method=method), ex.periods(states, accuracy=1e-2)
     known = found.ok & true.ok
     error = 4.0 * (found.error_estimate + true.error_estimate)[known]
     assert (abs(found.period / true.period - 1.0)[known] <= error).all()
@@ -227,7 +227,7 @@ def test_a_push_from_rest_however_slow_changes_nothing(accuracy):
     at_rest = ex.phi_to_states(disk, 0.3, 0.0, 0.5, 0.6)
     for pushed in (speeds, -speeds):
         states = ex.phi_to_states(disk, 0.3, pushed, 0.5, 0.6)
-        found, rest = ex.periods(states, accuracy), ex.periods(at_rest, accuracy)
+        found, rest = ex.periods(states, accuracy=accuracy), ex.periods(at_rest, accuracy=accuracy)
         assert found.ok.all()
         np.testing.assert_allclose(found.period, rest.period[0], rtol=accuracy)
         bounces, resting = ex.bounces(states, accuracy=accuracy), ex.bounces(at_rest, accuracy=accuracy)

@@ -60,7 +60,7 @@ def falls(disk, motions, accuracy):
 
 
 def periods(disk, motions, accuracy):
-    found = ex.periods(states_of(disk, motions), accuracy)
+    found = ex.periods(states_of(disk, motions), accuracy=accuracy)
     chi, psi = whole(motions, "chi"), whole(motions, "psi")
     theta_min = np.fmin(motions["theta_min_0"], motions["theta_min_1"])
     shares = found.period / whole(motions, "duration") - 1.0, found.theta_min / theta_min - 1.0
@@ -79,7 +79,7 @@ def bounces(disk, motions, accuracy, number=0):
         np.where(again, motions[f"{name}_1"], motions[f"{name}_0"])
         for name in ("chi", "psi", "theta_min", "duration")
     )
-    found, fall = ex.bounces(states_of(disk, motions), 2, accuracy), motions["fall_angle"]
+    found, fall = ex.bounces(states_of(disk, motions), 2, accuracy=accuracy), motions["fall_angle"]
     column = {name: values[:, number] for name, values in found.columns.items() if values.ndim == 2}
     angles = [column[name] for name in ("delta_chi", "delta_psi", "fall_angle", "race_angle")]
     late = column["time"] - motions["time"] if number == 0 else np.zeros(again.size)

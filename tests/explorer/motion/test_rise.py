@@ -33,7 +33,7 @@ def test_the_fall_from_the_vertical_agrees_with_the_limit_motion(paper_body):
 
 def agree(limit, states, accuracy):
     """Whether a limit motion has the period and angles of the motions beside it, by quadrature."""
-    period = ex.periods(states, accuracy)
+    period = ex.periods(states, accuracy=accuracy)
     assert limit.period == pytest.approx(period.period[0], rel=10.0 * accuracy)
     assert limit.chi_per_period == pytest.approx(period.chi[0], abs=10.0 * accuracy)
     turned = limit(limit.period).psi - limit(0.0).psi

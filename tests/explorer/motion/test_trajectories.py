@@ -228,7 +228,7 @@ def test_errors_grow_like_the_number_of_passages_not_its_square(method, accuracy
     """Against whole periods by quadrature: 1000 of them, and a hundredth."""
     disk = BODIES["uniform"]
     states = constants_to_states(disk, 1.0, -1e-6, 1.0)
-    one = ex.periods(states, 1e-11)
+    one = ex.periods(states, accuracy=1e-11)
     errors = []
     for periods in (10, 1000):
         got = ex.simulate(
@@ -247,7 +247,7 @@ def test_ten_thousand_passages_in_a_row_keep_their_constants():
     """Change of energy grows with the number of passages and is reported; sigma3_bar and eta cannot drift."""
     disk = BODIES["hoop"]
     states = constants_to_states(disk, 1.0, [1e-6, -1e-6], 1.0)
-    one = ex.periods(states, 1e-11)
+    one = ex.periods(states, accuracy=1e-11)
     times = np.array([100.0, 10_000.0]) * one.period.mean()
     constants_error = []
     for t in times:

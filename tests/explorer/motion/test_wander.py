@@ -43,9 +43,9 @@ def test_one_period_tells_the_place_after_many(wanders):
 def test_at_a_resonance_the_wander_has_no_bound_and_elsewhere_it_has(resonant, wanders):
     root, states = resonant
     assert 0.15 < root < 0.3
-    found = ex.periods(states, 1e-9)
+    found = ex.periods(states, accuracy=1e-9)
     assert found.chi[0] == pytest.approx(4.0 * math.pi, abs=1e-9)
-    beside = ex.periods(start(UNIFORM, root + 1e-3, 0.01), 1e-9)
+    beside = ex.periods(start(UNIFORM, root + 1e-3, 0.01), accuracy=1e-9)
     assert abs(beside.chi[0] - 4.0 * math.pi) > 1e-4
     walked = wanders["resonance"]
     distance = abs(walked.wander.after(1000)[0])
