@@ -5,6 +5,7 @@ A folder's own page says "Made by `COMMAND`"; a run says it in run.json.
 
 import argparse
 import contextlib
+import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -34,7 +35,7 @@ def gallery(folder: Path | str) -> str:
     parts = [path for path in sorted(root.iterdir()) if path.is_dir()]
     shown: dict[str, list[tuple[Path, str]]] = {str(question): [] for question in (*Question, _OTHER)}
     for part in parts:
-        for picture in sorted(path for path in part.rglob("*") if path.suffix in KINDS):
+        for picture in sorted(path for path in part.rglob("*") if path.suffix in KINDS and path.is_file()):
             if picture.suffix == ".png" and picture.with_suffix(".webp").exists():
                 continue  # the same that moves is shown
             caption = caption_in(picture)
@@ -57,7 +58,7 @@ def gallery(folder: Path | str) -> str:
         lines += ["</table>"] if rows else []
     lines += ["", "## All folders", "", "| folder | command |", "|---|---|"]
     for part in parts:
-        link = f'<a href="{quote(part.name)}"><code>{escaped(part.name)}/</code></a>'
+        link = f'<a href="{quote(os.fsencode(part.name))}"><code>{escaped(part.name)}/</code></a>'
         lines.append(f"| {link} | <code>{escaped(command_of(part))}</code> |")
     return "\n".join(lines) + "\n"
 
@@ -65,7 +66,8 @@ def gallery(folder: Path | str) -> str:
 def command_of(folder: Path) -> str:
     """The command that made a folder, as its page or its run says it."""
     page = folder / "README.md"
-    if page.is_file() and (said := re.search(r"^Made by `(.+?)`", page.read_text("utf-8"), re.MULTILINE)):
+    text = page.read_text("utf-8", "replace") if page.is_file() else ""
+    if said := re.search(r"^Made by `(.+?)`", text, re.MULTILINE):
         return said[1]
     with contextlib.suppress(InputError, RunError):
         record = read_record(folder)

@@ -1,12 +1,13 @@
 """The README.md that a command leaves in a folder of pictures; their captions are in the files."""
 
 import html
+import os
 import re
 from collections.abc import Iterable
 from pathlib import Path
 from urllib.parse import quote
 
-from PIL import Image, UnidentifiedImageError
+from PIL import Image
 
 from explorer.pictures.register import Caption, Question
 
@@ -26,7 +27,7 @@ def caption_in(path: Path) -> Caption | None:
             found = picture.info.get("Description") or picture.info.get("comment")
             # Pillow reads what EXIF holds as Latin-1.
             found = found or picture.getexif().get(_EXIF_DESCRIPTION, "").encode("latin-1")
-    except (OSError, UnidentifiedImageError):
+    except (OSError, ValueError, Image.DecompressionBombError):  # it is no picture, or one that fills the memory
         return None
     question, _, text = (found.decode("utf-8") if isinstance(found, bytes) else str(found)).partition("\n")
     return Caption(Question(question), text) if question in set(Question) else None
@@ -49,7 +50,8 @@ def write_page(folder: Path, title: str, made_by: str, parts: Iterable[tuple[str
 
 def image_of(picture: Path, root: Path, caption: Caption | None, width: int) -> str:
     """The HTML of a picture for the page of `root`, which leads to its full size."""
-    source, full = (quote(each.relative_to(root).as_posix()) for each in (picture, full_size(picture)))
+    files = picture.relative_to(root), full_size(picture).relative_to(root)
+    source, full = (quote(os.fsencode(each.as_posix())) for each in files)
     return f'<a href="{full}"><img src="{source}" width="{width}" alt="{text_of(picture, caption)}"></a>'
 
 
@@ -61,4 +63,5 @@ def text_of(picture: Path, caption: Caption | None) -> str:
 
 def escaped(text: str) -> str:
     """Text for a page, of which nothing is read as HTML or Markdown."""
-    return re.sub(r"[`|\[\]\\*~\n\r]", lambda mark: f"&#{ord(mark[0])};", html.escape(text))
+    known = html.escape(text.encode(errors="replace").decode())  # the name of a file may be no text
+    return re.sub(r"[`|\[\]\\*~\n\r]", lambda mark: f"&#{ord(mark[0])};", known)

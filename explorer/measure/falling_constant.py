@@ -181,7 +181,8 @@ def constant_of(disk: Disk, density: Density, seed: int = 0) -> FallingConstant:
 
 def mass_of(disk: Disk, density: Density) -> float:
     """The integral of a density over its box, natural units."""
-    return float(_means([_Integrand(disk, density.seen_from(disk, 1)).in_box], density, 0).mean())
+    seen = _Integrand(disk, density.seen_from(disk, 1))
+    return seen.product if seen.product is not None else float(_means([seen.in_box], density, 0).mean())
 
 
 def _check_mass(density: Density, mass: float, masses: Array) -> None:
@@ -223,11 +224,18 @@ class _Integrand:
     disk: Disk
     density: Density
 
+    @property
+    def product(self) -> float | None:
+        """The integral of the density, if it is that of its coordinates' own factors alone."""
+        density = self.density
+        alone = density.function is None and density.energy == ANY_ENERGY
+        return math.prod(density.factor_mass(name) for name in density.box.free) if alone else None
+
     def in_box(self, cube: Columns) -> Array:
         """The density times the volume of a point."""
+        if self.product is not None:
+            return np.array([self.product])
         b, density = self.disk.body, self.density
-        if density.function is None and density.energy == ANY_ENERGY:
-            return np.array([math.prod(density.factor_mass(name) for name in density.box.free)])
         phi, volume = self._tilts(cube)
         q = np.cos(phi)
         most = np.sqrt(2.0 / b.J * np.maximum(density.energy[1] - q, 0.0))

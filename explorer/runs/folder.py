@@ -21,7 +21,7 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from explorer import compiled
-from explorer.errors import InputError, shown, warn, whole, words
+from explorer.errors import InputError, shorten, shown, warn, whole, words
 from explorer.paths import made_folder, path_of
 from explorer.runs import store
 from explorer.runs.machine import machine
@@ -64,6 +64,12 @@ def _code_in(file: str) -> str | None:
     return store.sha256("".join(lines))[:16] if lines else None
 
 
+def _code_at(where: str) -> str | None:
+    """Digest of the file of "FILE.py:CLASS", which run.json has in full; None where there is none."""
+    file = where.rpartition(":")[0]
+    return _code_in(file) if Path(file).is_absolute() else None
+
+
 def digest_of_identity(known: dict[str, Any]) -> str:
     """The part of an identity, or of a run.json, that all chunks share, however many there are."""
     options = {key: value for key, value in known["options"].items() if key != "samples"}
@@ -81,16 +87,15 @@ def read_record(folder: Path) -> dict[str, Any]:
         record = dict(json.loads(path.read_bytes()))
         if record.get("format") == FORMAT:
             digest_of_identity(record)  # which looks at what others need
+            (scene,) = words("scene", [record["options"]["scene"]])
             record["chunks"] = whole("chunks", record["chunks"], 1, MOST_CHUNKS)
+            record["from"] = None if scene in NAMES else words("from", [record.get("from") or ""])[0]
             if record.get("check", check := _check(record)) != check:
-                raise ValueError("other options or chunks stand there than were written")
+                raise ValueError("other options, chunks, kernels or code stand there than were written")
             store.as_json(record)  # which refuses infinite numbers
             words("arithmetic", record["arithmetic"])
-            (scene,) = words("scene", [record["options"]["scene"]])
-            record["from"] = None if scene in NAMES else words("from", [record.get("from") or ""])[0]
             read_formats("formats", words("formats", record["formats"]))
-            drawn = [each.name for each in (path.parent / "figures").glob("*")]  # before they were recorded
-            record["pictures"] = words("pictures", record.get("pictures", drawn))
+            record["pictures"] = words("pictures", record.get("pictures", ()))
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(f"{path}: is damaged ({store.in_one_line(error)}); {anew}") from None
     if record.get("format") != FORMAT:
@@ -100,8 +105,9 @@ def read_record(folder: Path) -> dict[str, Any]:
 
 
 def _check(record: dict[str, Any]) -> str:
-    """Digest of what a run.json says of the question: a wrong number there would make good chunks bad ones."""
-    return store.sha256(json.dumps([record["options"], record["chunks"]], sort_keys=True))[:16]
+    """Digest of what a run.json says of the question: a wrong word there would make good chunks bad ones."""
+    asked = [record[name] for name in ("options", "chunks", *MADE_BY)]
+    return store.sha256(json.dumps(asked, sort_keys=True))[:16]
 
 
 def stored_scene(folder: Path | None, record: dict[str, Any], trust: bool) -> Scene:
@@ -113,14 +119,14 @@ def stored_scene(folder: Path | None, record: dict[str, Any], trust: bool) -> Sc
     where = record["from"]
     if where and not is_known(record["options"]["scene"], where):
         file, _, name = where.rpartition(":")
-        if not Path(file).is_file():
+        if not (code := _code_at(where)):
             raise InputError(
-                f"scene {where}: the file is gone; put it back, or continue with: nearflat run NEW.py:{name} ... "
-                "--resume --out DIR, where ... stands for the options in run.json"
+                f"scene {shown(where)}: the file is gone; put it back, or continue with: nearflat run "
+                f"NEW.py:{shorten(name, 60)} ... --resume --out DIR, where ... stands for the options in run.json"
             )
         if folder and Path(file).resolve().is_relative_to(folder.resolve()):
             raise InputError(f"scene {where}: code in the folder of a run is not run; move the file elsewhere")
-        if _code_in(file) != record["code"]:
+        if code != record["code"]:
             raise InputError(_remedy("code", record))
         if not trust:
             raise InputError(f"scene {where}: its code is run only if you say that you trust it; give trust")
@@ -130,10 +136,9 @@ def stored_scene(folder: Path | None, record: dict[str, Any], trust: bool) -> Sc
 
 def changed(record: dict[str, Any]) -> list[str]:
     """What computed a run and is other now, in sentences."""
-    file = (record["from"] or "").rpartition(":")[0]
-    code = None
+    code = _code_at(record["from"] or "")
     with contextlib.suppress(InputError):  # a user's, from a script or a notebook, is known only there
-        code = _code_in(file) if Path(file).is_file() else _code_of(known_scene(record["options"]["scene"]))
+        code = code or _code_of(known_scene(record["options"]["scene"]))
     now = {"kernels": compiled.source_digest(), "code": code or record["code"]}  # a file that is gone says nothing
     return [_remedy(what, record) for what in MADE_BY if now[what] != record[what]]
 
@@ -208,7 +213,7 @@ def opened(folder: Path, scene: Scene, exist: str) -> Iterator[tuple[Scene, dict
         if record.exists() and exist == "error":
             raise InputError(f"out {folder}: holds a run already; resume it, replace it, or give another folder")
         if exist == "replace":
-            remove(folder)
+            remove(folder, "bad")
         (folder / "chunks").mkdir(exist_ok=True)
         if not store.synced(folder):
             warn(f"out {folder}: its file system syncs no folders; a power cut may take the last chunks")
@@ -220,17 +225,19 @@ def opened(folder: Path, scene: Scene, exist: str) -> Iterator[tuple[Scene, dict
             yield scene, known
         finally:
             if not record.exists():  # it was not begun, or nothing came of it
-                remove(folder)
-                with contextlib.suppress(OSError):  # the lock is held too firmly, or something stays
-                    (folder / ".lock").unlink()
-                    folder.rmdir() if fresh else None
+                for undo in ((folder / ".lock").unlink, (folder / "chunks").rmdir, *([folder.rmdir] * fresh)):
+                    with contextlib.suppress(OSError):  # something stays, or the lock is held too firmly
+                        undo()
 
 
-def remove(folder: Path) -> None:
-    """Delete the run of a folder, by the names of its files; all others stay, and folders that have some."""
+def remove(folder: Path, *more: str) -> None:
+    """Delete the run of a folder, by the names of its files; all others stay, and folders that have some.
+
+    more: other folders of it in which its files may be.
+    """
     with contextlib.suppress(InputError):
         remove_pictures(folder, read_record(folder)["pictures"])
-    for place in (folder / "chunks", folder / "bad", folder / "figures", folder):
+    for place in (*(folder / name for name in ("chunks", "figures", *more)), folder):
         for path in store.files_in(place, rf"{store.NAME}|{store.BEGUN}|run\.json|summary\.json"):
             path.unlink()
         with contextlib.suppress(OSError):  # something stays, if only the lock

@@ -421,8 +421,7 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
     def say(text: str) -> None:
         note(text, not settings.progress)
 
-    missing = folders.missing_chunks(folder, scene, say)
-    require_room(scene, settings, len(missing))
+    require_room(scene, settings, scene.chunks - len(store.chunks_in(folder, "")))
     known: dict[str, Any] = {"command": None, "formats": FORMATS, "arithmetic": [], "pictures": ()} | record
     how: dict[str, Any] = {
         "started": known.get("started", folders.now()),
@@ -433,6 +432,7 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
         **{name: known[name] for name in ("arithmetic", "pictures")},
     }
     folders.write_record(folder, scene, how)
+    missing = folders.missing_chunks(folder, scene, say)
     compiled.warmup(scene.kernels, say)  # takes long; what is stopped now can be resumed
     with stopping(settings.onward) as stop:
         run, summary = Run(scene, folder=folder), folder / "summary.json"
@@ -452,8 +452,9 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
         if len(kinds) > 1:
             say(f"last digits, and the digest, depend on the kind of processor; of this run: {'; '.join(kinds)}")
         if how["formats"]:
-            drawn = [f"{name}.{kind}" for name in run.pictures for kind in how["formats"]]
-            how["pictures"] = sorted({*known["pictures"], *drawn})
+            names = {f"{name}.{kind}" for name in run.pictures for kind in how["formats"]}
+            missing_pictures = {name for name in names if not (folder / "figures" / name).exists()}
+            how["pictures"] = sorted({*known["pictures"], *missing_pictures})
             folders.write_record(folder, scene, how)  # before they are there, so that they are known as ours
             _draw_missing(run, how["formats"], stop, settings.onward)
     folders.write_record(folder, scene, {**how, "finished": folders.now()})

@@ -34,7 +34,6 @@ from explorer.scenes.scene import Scene, Table
 NAME = r"chunk-[0-9]{6}-[0-9a-f]{16}\.parquet"
 BEGUN = rf"\.({NAME}|run\.json|summary\.json)\.[0-9]+\.tmp"  # while it is written
 _NOTE, _CHECK = b"nearflat", b"nearflat.sha256"  # of the footer: what it says, and the digest of that
-_FEW = 1 << 14  # rows, which one thread has read before others are asked to
 # What file systems answer that cannot sync folders (older CIFS, network drives of WSL, some FUSE), or lock files
 # (Lustre mounted plainly, NFS without the service for locks)
 UNABLE = (errno.EINVAL, errno.EBADF, errno.EOPNOTSUPP, errno.ENOTSUP, errno.ENOSYS, errno.ENOLCK)
@@ -77,7 +76,7 @@ class Chunk(NamedTuple):
         """Its kept rows, with units and meanings; some columns, or all. Raises RunError where it is damaged."""
         with self._opened() as (file, _):
             wanted = list(columns or file.schema_arrow.names)
-            table = file.read(columns=wanted, use_threads=file.metadata.num_rows > _FEW)
+            table = file.read(columns=wanted, use_threads=False)  # of a chunk one thread has soon read all
             return table.select(wanted).replace_schema_metadata()
 
     @contextlib.contextmanager

@@ -132,9 +132,10 @@ class GivenStates:
             if parquet:
                 return cls._of_parquet(what, path, stamps, digest.hexdigest())
             table, point = _csv(path)
+            _require_still(what, path, stamps)
         chart = _chart(table.column_names, what)
         columns = _read(table, chart, what, point=point)
-        return cls(what, table.num_rows, digest.hexdigest(), path, chart, columns)
+        return cls(what, table.num_rows, digest.hexdigest(), path, chart, columns, stamps=stamps)
 
     @classmethod
     def _of_parquet(cls, what: str, path: Path, stamps: tuple[Any, ...], digest: str) -> "GivenStates":
@@ -242,8 +243,7 @@ class GivenStates:
             some = self.groups[low : high + 1]
             parts = [ParquetFile(file, page_checksum_verification=True).read_row_group(n) for file, n, _ in some]
             table = pa.concat_tables(parts, promote_options="permissive").slice(first - ends[low], count)
-            if _stamps(self.path or Path()) != self.stamps:
-                raise InputError(f"{self.what}: was changed or replaced meanwhile; put it back")
+            _require_still(self.what, self.path or Path(), self.stamps)
         return _read(table, chart, self.what, first)
 
     def told(self, rows: list[int]) -> list[str]:
@@ -253,7 +253,10 @@ class GivenStates:
             return list(map(str, rows))
         columns = given._piece(given.chart, 0, max(rows) + 1) if given.columns is None else given.columns
         names = given.chart.present(columns)
-        texts = _csv(given.path, names)[0] if given.path and given.columns else columns
+        texts = columns
+        if given.path and given.columns:
+            texts = _csv(given.path, names)[0]
+            _require_still(given.what, given.path, given.stamps)
         cells = [[f"{n} {str(texts[n][row])!r}" for n in names if math.isnan(columns[n][row])] for row in rows]
         return [f"{row} ({', '.join(at)})" if at else f"{row}" for row, at in zip(rows, cells, strict=True)]
 
@@ -262,6 +265,12 @@ def coordinates_of(states: States) -> Columns:
     """phi, phidot, sigma3, sigma4 in the units of the disk; NaN where there is no state."""
     good = states.status != compiled.status.Status.BAD_INPUT
     return {name: np.where(good, getattr(states, name), np.nan) for name in COORDINATES}
+
+
+def _require_still(what: str, path: Path, stamps: tuple[Any, ...]) -> None:
+    """Raise InputError where the files are not those whose digest was taken."""
+    if _stamps(path) != stamps:
+        raise InputError(f"{what}: was changed or replaced meanwhile; put it back")
 
 
 def _stamps(path: Path) -> tuple[tuple[Path, int, int, int], ...]:

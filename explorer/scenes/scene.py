@@ -5,10 +5,12 @@ It declares its options as fields (`options.option`) and what it counts (`measur
 chunks and blocks, which rows are kept, files and workers are not its concern.
 """
 
+import os
 import re
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -375,11 +377,23 @@ def _in_file(where: str) -> type[Scene]:
         raise InputError(f"scene {where}: Python cannot import a file with a dot in its name; rename the file")
     if str(file.parent) not in sys.path:
         sys.path.insert(0, str(file.parent))
-    module = import_module(file.stem)
+    with _from_source():
+        module = import_module(file.stem)
     if Path(str(module.__file__)).resolve() != file:
         raise InputError(f"scene {where}: {file.stem} is the name of another module; rename the file")
     own = {each: kind for each, kind in vars(module).items() if isinstance(kind, type) and issubclass(kind, Scene)}
     return own[one_of(f"scene {where}:", name, [each for each in own if own[each].__module__ == module.__name__])]
+
+
+@contextmanager
+def _from_source() -> Iterator[None]:
+    """Imports compile what the files say: what lies compiled beside them may come from others."""
+    before = sys.pycache_prefix, sys.dont_write_bytecode
+    sys.pycache_prefix, sys.dont_write_bytecode = os.devnull, True
+    try:
+        yield
+    finally:
+        sys.pycache_prefix, sys.dont_write_bytecode = before
 
 
 def file_of(kind: type[Scene]) -> str | None:

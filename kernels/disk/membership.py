@@ -67,7 +67,9 @@ def verdict(E: float, V0: float, V: float, passing: float) -> float:
     """What energies decide; `passing` where they do not hinder."""
     # How far above both, in units of what rounding leaves open.
     above = min((E - V0) / (E + V0), (E - V) / (E + V))
-    return passing if above > _TIE else UNDECIDED if above > -_TIE else FALLS_BACK
+    return (
+        passing if above > _TIE else FALLS_BACK if above < -_TIE else UNDECIDED
+    )  # also NaN, of infinite energies
 
 
 @contracted_subroutine

@@ -1,8 +1,11 @@
 """The page of the results: every picture, with its command."""
 
+import os
 import re
 import shutil
+import struct
 import subprocess
+import zlib
 from pathlib import Path
 
 import pytest
@@ -104,3 +107,20 @@ def test_the_page_of_a_gallery_lets_no_command_write_over_what_it_lists(tmp_path
     assert "holds what nearflat has not made" in capsys.readouterr().err
     assert mine.read_bytes() == b"mine"
     assert main(["gallery", str(tmp_path)]) == 0
+
+
+@pytest.mark.skipif(os.name == "nt", reason="names and pipes are others there")
+def test_a_folder_with_anything_in_it_has_a_page(tmp_path):
+    odd = tmp_path / os.fsdecode(b"odd\xff")
+    odd.mkdir()
+    (odd / "README.md").write_bytes(b"# x\n\nMade by `nearflat \xff`\n")
+    os.mkfifo(odd / "pipe.png")
+    # An image of 60,000 x 60,000 points, by its first lines.
+    size = b"IHDR" + struct.pack(">IIBBBBB", 60_000, 60_000, 8, 2, 0, 0, 0)
+    (odd / "large.png").write_bytes(
+        b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + size + struct.pack(">I", zlib.crc32(size))
+    )
+    assert main(["gallery", str(tmp_path)]) == 0
+    page = (tmp_path / "README.md").read_text(encoding="utf-8")
+    assert "odd%FF/large.png" in page
+    assert "pipe" not in page

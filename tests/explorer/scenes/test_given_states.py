@@ -11,6 +11,7 @@ import pytest
 from told import said
 
 import explorer as ex
+from explorer.scenes import given_states
 from explorer.scenes.falling_set import FallingSet
 from explorer.scenes.given_states import GivenStates
 from explorer.scenes.scene import joined, scene_of
@@ -516,3 +517,18 @@ def test_degrees_are_those_of_both_sets_of_coordinates():
     assert GivenStates.of("states", given).of_degrees(True).read(DISK, 0, 1).states.ok.all()
     with pytest.raises(ex.InputError, match="row 0: sigma3 is"):
         GivenStates.of("states", given | {"precession": [9.0]}).of_degrees(True).read(DISK, 0, 1)
+
+
+def test_a_csv_file_that_is_replaced_while_it_is_read_is_refused(tmp_path, monkeypatch):
+    table, other = tmp_path / "states.csv", tmp_path / "other.csv"
+    for path, speed in ((table, 1.0), (other, 2.0)):
+        path.write_text(f"phi,phidot,sigma3,sigma4\n0,{speed},1,0.7\n")
+    read = given_states._csv
+
+    def replaced(path, *more):
+        other.replace(path)
+        return read(path, *more)
+
+    monkeypatch.setattr(given_states, "_csv", replaced)
+    with pytest.raises(ex.InputError, match="was changed or replaced meanwhile"):
+        GivenStates.of("states", table)
