@@ -146,18 +146,19 @@ CASES = {
 
 
 def test_the_stated_error_holds_neither_too_small_nor_too_large():
-    """Of 60 constants 67 % lie within one error of 16 scrambles, 94 % within two, give or take four deviations."""
+    """Of 24 constants 67 % lie within one error of 16 scrambles, 94 % within two, give or take four deviations."""
     disk, off = ex.Disk.uniform(), []
     for i, (given, truth) in enumerate(CASES.values()):
         density = Density.of(disk, **given)
-        found = [constant_of(disk, density, seed) for seed in range(10 * i, 10 * i + 10)]
+        found = [constant_of(disk, density, seed) for seed in range(4 * i, 4 * i + 4)]
         off += [abs(each.value - truth) / each.error for each in found]
-    assert 25 <= np.sum(np.array(off) < 1.0) <= 55
-    assert np.sum(np.array(off) < 2.0) >= 48
+    assert 7 <= np.sum(np.array(off) < 1.0) <= 23
+    assert np.sum(np.array(off) < 2.0) >= 18
 
 
-@pytest.mark.parametrize(("given", "truth"), CASES.values(), ids=CASES)
-def test_a_call_gives_the_same_number_every_time_and_that_is_known(given, truth):
+@pytest.mark.parametrize("name", ["a tilt", "a band"])
+def test_a_call_gives_the_same_number_every_time_and_that_is_known(name):
+    given, truth = CASES[name]
     one, other = (falling_constant(ex.Disk.uniform(), **given) for _ in range(2))
     assert one.value == other.value
     assert one.value == pytest.approx(truth, rel=1e-3)
