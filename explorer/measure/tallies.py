@@ -26,7 +26,6 @@ K = TypeVar("K")
 KERNELS = ("counting.histogram_batch",)  # of `histograms`
 QUANTILES = (0.0, 0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
 PER_DECADE = 400  # bins of logarithmic counts: a quantile is good to half a bin, 0.3 %
-LOWEST_BIN = -330 * PER_DECADE  # which no double reaches
 NO_ENDS = (math.inf, -math.inf)  # the smallest and the largest of nothing
 
 

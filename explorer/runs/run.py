@@ -421,7 +421,7 @@ def _fill(scene: Scene, settings: Settings, folder: Path, record: dict[str, Any]
     def say(text: str) -> None:
         note(text, not settings.progress)
 
-    require_room(scene, settings, scene.chunks - len(store.chunks_in(folder, "")))
+    require_room(scene, settings, scene.chunks - len(store.files_in(folder / "chunks", store.NAME)))
     known: dict[str, Any] = {"command": None, "formats": FORMATS, "arithmetic": [], "pictures": ()} | record
     how: dict[str, Any] = {
         "started": known.get("started", folders.now()),

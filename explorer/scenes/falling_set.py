@@ -114,8 +114,9 @@ class FallingSet(FromStates):
             stays = np.full(distance.size, everything) | (here.could & (distance <= self.tube))
             tally.status += count_status(here.status[~stays])
             rows = np.flatnonzero(stays)
-            tables.append(self._table(block.at(rows), rows_of(here, rows)))
-            states.append(block.states.at(rows))
+            some = block.at(rows)
+            tables.append(self._table(some, rows_of(here, rows)))
+            states.append(some.states)
         # Few states of a block are near F: those of a chunk are followed together.
         table = joined(tables)
         self._follow(table, joined_states(states))
