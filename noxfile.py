@@ -40,8 +40,8 @@ def docs(session):
 def pictures(session):
     """Run all pages of the guide and write their pictures and made parts anew."""
     session.install("--editable", ".[test,peers]")
-    session.run("python", "tests/docs/reference_pages.py")
-    session.run("python", "tests/docs/pages.py", *session.posargs)
+    session.run("python", "tests/tools/reference_pages.py")
+    session.run("python", "tests/tools/pages.py", *session.posargs)
 
 
 @nox.session(default=False)
@@ -66,14 +66,7 @@ def peers(session):
     """Write results/peers/: other programs on the same work, on one core. Some minutes."""
     session.install("--editable", ".[peers]")
     session.chdir("tests")
-    session.run("python", "-m", "peers.report_peers", env={"OMP_NUM_THREADS": "1"})
-
-
-@nox.session(default=False)
-def faults(session):
-    """Write results/faults/: runs that are killed, starved and spoilt. Some minutes; Linux."""
-    session.install("--editable", ".[test]")
-    session.run("python", "tests/faults/report_faults.py")
+    session.run("python", "-m", "tools.peers.report_peers", env={"OMP_NUM_THREADS": "1"})
 
 
 @nox.session(python="3.11", venv_backend="uv", default=False)

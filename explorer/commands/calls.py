@@ -1,6 +1,6 @@
 """`ex.run`, `ex.plan` and `ex.trade`: their options are those that scenes declare; `calls.pyi` names them all.
 
-`python tests/docs/reference_pages.py` makes that file, from which editors and type checkers complete.
+`python tests/tools/reference_pages.py` makes that file, from which editors and type checkers complete.
 """
 
 import inspect

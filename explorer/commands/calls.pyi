@@ -1,4 +1,4 @@
-"""Keywords of run, plan and trade, made by tests/docs/reference_pages.py from what scenes declare."""
+"""Keywords of run, plan and trade, made by tests/tools/reference_pages.py from what scenes declare."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path

@@ -1,6 +1,6 @@
 """The setting of an integrator for an accuracy: from errors that were measured once, and serve all bodies.
 
-`python tests/reference/report_calibration.py` measures them.
+`python tests/tools/report_calibration.py` measures them.
 """
 
 import numpy as np

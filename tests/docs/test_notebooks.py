@@ -8,15 +8,14 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 from nbformat.v4 import new_code_cell
-
-from docs.notebooks import TUTORIALS, notebook, path_of
+from tools.notebooks import TUTORIALS, notebook, path_of
 
 
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
 def test_a_notebook_is_its_tutorial(page):
     kept = path_of(page)
     assert kept.stat().st_size < 200_000
-    assert nbformat.read(kept, as_version=4) == notebook(page), "make it again: python tests/docs/notebooks.py"
+    assert nbformat.read(kept, as_version=4) == notebook(page), "make it again: python tests/tools/notebooks.py"
 
 
 @pytest.mark.long

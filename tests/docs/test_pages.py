@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from docs.pages import IMAGES, PAGES, ROOT, pictures, run, stored_digest
+from tools.pages import IMAGES, PAGES, ROOT, pictures, run, stored_digest
 
 import explorer as ex
 
@@ -22,7 +22,7 @@ def test_the_blocks_of_a_page_run_and_print_what_stands_there(page, tmp_path):
 def test_pictures_of_a_page_were_made_by_the_code_that_stands_there(page):
     for name, digest in pictures(page).items():
         assert stored_digest(name) == digest, (
-            f"{name}.png is older than its code; make it again: tests/docs/pages.py"
+            f"{name}.png is older than its code; make it again: tests/tools/pages.py"
         )
         assert f"images/{name}.png" in page.read_text("utf-8")
 

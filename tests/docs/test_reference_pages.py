@@ -3,8 +3,8 @@
 import re
 
 import pytest
-from docs.pages import PAGES
-from docs.reference_pages import DOCS, STUB, pages_with_parts, parsers, renewed, stub
+from tools.pages import PAGES
+from tools.reference_pages import DOCS, STUB, pages_with_parts, parsers, renewed, stub
 
 from explorer import compiled
 from explorer.phase.columns import COLUMNS
@@ -18,11 +18,11 @@ LINK = re.compile(r"\]\(([^)#\s]+)(?:#[\w-]*)?\)")
 @pytest.mark.parametrize("page", pages_with_parts(), ids=lambda page: page.stem)
 def test_made_parts_are_as_the_code_makes_them(page):
     text = page.read_text("utf-8")
-    assert renewed(text) == text, "make them again: python tests/docs/reference_pages.py"
+    assert renewed(text) == text, "make them again: python tests/tools/reference_pages.py"
 
 
 def test_keywords_that_editors_complete_are_those_that_scenes_declare():
-    assert STUB.read_text("utf-8") == stub(), "make them again: python tests/docs/reference_pages.py"
+    assert STUB.read_text("utf-8") == stub(), "make them again: python tests/tools/reference_pages.py"
 
 
 def test_every_option_column_status_and_scene_is_in_the_glossary():

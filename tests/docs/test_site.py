@@ -6,7 +6,7 @@ import sys
 
 import pytest
 from browser import chromium
-from docs.pages import ROOT
+from tools.pages import ROOT
 
 pytestmark = pytest.mark.long
 

@@ -1,6 +1,6 @@
 """Answers by quadrature and their error estimates against some 600 motions of every kind in 40 digits.
 
-`tests/reference/make_motions.py` makes them. Errors are of angles (rad), and relative of times and tilts. Beyond
+`tests/tools/make_motions.py` makes them. Errors are of angles (rad), and relative of times and tilts. Beyond
 the accuracy asked 64 units of rounding are allowed for each radian of chi and psi.
 """
 

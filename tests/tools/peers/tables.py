@@ -2,8 +2,8 @@
 
 import re
 
-from peers import cpp
-from peers.measuring import ASKED, METHODS, PEER, PUBLIC
+from tools.peers import cpp
+from tools.peers.measuring import ASKED, METHODS, PEER, PUBLIC
 
 INTEGRATED = tuple(f"passages, {method}" for method in METHODS)
 QUADRATURE = "passages, quadrature"
@@ -125,7 +125,7 @@ def loop_in_words():
     if cpp.compiler() is None:
         return f"C++: {cpp.NO_COMPILER}."
     return (
-        "C++: `tests/peers/fixed_steps.cpp` has our Runge-Kutta coefficients and our equations, for several"
+        "C++: `tests/tools/peers/fixed_steps.cpp` has our Runge-Kutta coefficients and our equations, for several"
         " motions side by side (in lanes). It is compiled with"
         f" `{' '.join(cpp.options(False)[1:])}` (strict: its steps give the same bits as ours) or"
         " `-ffp-contract=fast`. It does not put its steps back onto the constants of motion. It locates no"

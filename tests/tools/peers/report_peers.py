@@ -2,7 +2,7 @@
 
     pip install "nearflat[peers]"      # a peer that is not there is left out, and so is the loop in C++; not
                                        # heyoka, whose extended precision is the truth
-    OMP_NUM_THREADS=1 taskset -c 0 python -m peers.report_peers      # in tests/; some minutes
+    OMP_NUM_THREADS=1 taskset -c 0 python -m tools.peers.report_peers      # in tests/; some minutes
 
 Rates are trajectories per second of the processor's time; compiling is not in them. Compare within one run only.
 """
@@ -14,15 +14,15 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from peers import ours, tables
-from peers.figure import draw
-from peers.measuring import ROUNDS, all_solvers, measured
-from peers.problem import COUNT
 from processor import processor
+from tools.peers import ours, tables
+from tools.peers.figure import draw
+from tools.peers.measuring import ROUNDS, all_solvers, measured
+from tools.peers.problem import COUNT
 
 from explorer.pictures.register import save
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 OUT = ROOT / "results" / "peers"
 
 
@@ -31,7 +31,7 @@ def command():
     told = [
         f"{name}={os.environ[name]}" for name in ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES") if name in os.environ
     ]
-    return " ".join([*told, "python -m peers.report_peers", *map(shlex.quote, sys.argv[1:])])
+    return " ".join([*told, "python -m tools.peers.report_peers", *map(shlex.quote, sys.argv[1:])])
 
 
 def machine():
@@ -50,7 +50,7 @@ def page(rows, missing, busy):
         "",
         f"Made by `{command()}` in `tests/`, all rows in one run on {machine()}. The load of the machine was",
         f"{busy[0]:.1f} before and {busy[1]:.1f} after. The solvers take turns in {ROUNDS} rounds. A solver's",
-        "time is the processor time of its quickest call. The task is in `tests/peers/problem.py`: chi, the",
+        "time is the processor time of its quickest call. The task is in `tests/tools/peers/problem.py`: chi, the",
         "direction in which the contact point lies, at t = 1.6, just after the first passage, for 256",
         "trajectories with |eta_hat|, the distance from the falling set, from 1e-6 to 1e-1. Machines differ, so",
         "only the ratios count.",

@@ -1,6 +1,6 @@
 """Writes results/processors/: what of a run is the same on which kind of processor.
 
-    python tests/reference/report_processors.py      # some minutes; Linux on x86-64
+    python tests/tools/report_processors.py      # some minutes; Linux on x86-64
 
 Other kinds are imitated: numba compiles for them, numpy and the C library leave out what they do not have.
 """
@@ -144,7 +144,7 @@ def main():
     lines = [
         "# Kinds of processor",
         "",
-        "Made by `python tests/reference/report_processors.py` on "
+        "Made by `python tests/tools/report_processors.py` on "
         f"{platform.machine()}, {' '.join(platform.libc_ver())}, numpy {np.__version__}. {said}. Every row is",
         "compared with the first. *Fused*: a product and a sum are rounded only once. Other kinds of processor "
         "are",

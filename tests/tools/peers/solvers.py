@@ -4,7 +4,7 @@ solves the first n trajectories and returns chi (n). Makers compile; what they r
 import warnings
 
 import numpy as np
-from peers.problem import I1, KAPPA2, T_END, J, K, M, plain_field, regular_field, work
+from tools.peers.problem import I1, KAPPA2, T_END, J, K, M, plain_field, regular_field, work
 
 
 def scipy_on(method, regular):

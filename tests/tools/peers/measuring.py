@@ -4,8 +4,8 @@ import time
 from typing import Any, NamedTuple
 
 import numpy as np
-from peers import cpp, ours, solvers
-from peers.problem import COUNT, work
+from tools.peers import cpp, ours, solvers
+from tools.peers.problem import COUNT, work
 
 TIGHT = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
 FINE = tuple(share * tolerance for tolerance in TIGHT[:9] for share in (1.0, 0.3))

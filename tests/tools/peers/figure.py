@@ -2,8 +2,8 @@
 
 import numpy as np
 from matplotlib.figure import Figure
-from peers.measuring import ASKED, PEER
-from peers.tables import INTEGRATED, QUADRATURE, best_asked, names_of, reaching, times
+from tools.peers.measuring import ASKED, PEER
+from tools.peers.tables import INTEGRATED, QUADRATURE, best_asked, names_of, reaching, times
 
 from explorer.pictures.register import Caption, Question, add_caption
 from explorer.pictures.style import DARK, MARKERS, SERIES, SIZE, TEXT, dress, legend_of_all

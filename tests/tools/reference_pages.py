@@ -1,7 +1,7 @@
 """Write what the code knows better: options, columns, statuses and misprints in pages, and keywords for editors.
 
 A part of a page stands between `<!-- made: NAME -->` and `<!-- end -->`; keywords: explorer/commands/calls.pyi.
-`python tests/docs/reference_pages.py` makes them all anew, and a test compares.
+`python tests/tools/reference_pages.py` makes them all anew, and a test compares.
 """
 
 import argparse
@@ -240,7 +240,7 @@ def pages_with_parts():
 
 
 STUB = Path(calls.__file__).with_suffix(".pyi")
-HEAD = '''"""Keywords of run, plan and trade, made by tests/docs/reference_pages.py from what scenes declare."""
+HEAD = '''"""Keywords of run, plan and trade, made by tests/tools/reference_pages.py from what scenes declare."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path

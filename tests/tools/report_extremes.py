@@ -1,17 +1,20 @@
 """Writes results/extremes/: the exact layer at the extremes against 40 digits.
 
-    python tests/reference/report_extremes.py      # under a minute once compiled
+    python tests/tools/report_extremes.py      # under a minute once compiled
 
 Errors are of the angles (rad) and relative of duration and theta_min.
 """
 
 import itertools
+import sys
 from pathlib import Path
 
 import numpy as np
-from motions import MOTIONS, PASSAGES, of_one_body
 
 import explorer as ex
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from reference.motions import MOTIONS, PASSAGES, of_one_body
 
 OUT = Path(__file__).parents[2] / "results" / "extremes"
 LADDER = (1e-11, 1e-8, 1e-5, 1e-2)
@@ -50,9 +53,9 @@ def main():
     lines = [
         "# The extremes",
         "",
-        "Made by `python tests/reference/report_extremes.py`; references by `tests/reference/make_motions.py`.",
+        "Made by `python tests/tools/report_extremes.py`; references by `tests/tools/make_motions.py`.",
         "Quadrature is compared with 40-digit arithmetic, with m = r = g = 1. Each row gives the largest errors",
-        "among the passages of one kind; `tests/reference/make_motions.py` says what the kinds are. Each passage",
+        "among the passages of one kind; `tests/tools/make_motions.py` says what the kinds are. Each passage",
         "is computed at the finest accuracy that can be reached for it. *Not at 1e-11*: how many passages meet "
         "only 1e-8,",
         "1e-5 or 1e-2.",

@@ -1,4 +1,4 @@
-"""The tutorials as notebooks with pictures: `python tests/docs/notebooks.py` writes them to docs/notebooks."""
+"""The tutorials as notebooks with pictures: `python tests/tools/notebooks.py` writes them to docs/notebooks."""
 
 import base64
 import re

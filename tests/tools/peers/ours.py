@@ -1,7 +1,7 @@
 """nearflat on the same work: what a user calls."""
 
 import numpy as np
-from peers.problem import COUNT, DISK, T_END, work
+from tools.peers.problem import COUNT, DISK, T_END, work
 
 import explorer as ex
 

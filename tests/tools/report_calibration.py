@@ -1,6 +1,6 @@
 """Measures MEASURED of explorer/motion/calibration.py and prints it: the errors of all integrators by setting.
 
-python tests/reference/report_calibration.py      # some ten seconds once compiled
+python tests/tools/report_calibration.py      # some ten seconds once compiled
 """
 
 from dataclasses import replace

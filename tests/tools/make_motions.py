@@ -1,6 +1,6 @@
 """Makes motions.csv: some 650 motions in 40 digits, one a line, by `many_digits`.
 
-    python tests/reference/make_motions.py     # some ten minutes; needs python-flint
+    python tests/tools/make_motions.py     # some ten minutes; needs python-flint
 
 A line is a body, a start and what becomes of it (m = r = g = 1). Starts are exact doubles: a state, or constants
 with the tilt and its rate. Answers: the time to the first flattest moment, the fall angle, the face that comes
@@ -17,7 +17,7 @@ import many_digits
 import numpy as np
 from flint import arb
 
-HERE = Path(__file__).parent / "motions.csv"
+OUT = Path(__file__).parents[1] / "reference" / "motions.csv"
 GIVEN = ("kind", "I1", "I3", "phi", "phidot", "sigma3", "sigma4", "sigma3_bar", "eta_hat", "face")
 ANSWERS = ("time", "fall_angle", "first_face")
 STRETCH = ("theta_min", "chi", "psi", "duration")
@@ -242,7 +242,7 @@ def main():
     draws = passages, falls, anywhere, wobbles, crests, hard, fast_spins
     starts = [start for draw in draws for start in draw(np.random.default_rng(7))]
     number_of, checked = 0, 0
-    with HERE.open("w", encoding="utf-8", newline="") as file:
+    with OUT.open("w", encoding="utf-8", newline="") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow([*GIVEN, *ANSWERS, *(f"{name}_{stretch}" for stretch in (0, 1) for name in STRETCH)])
         for given in starts:

@@ -1,7 +1,7 @@
 """Runs that are stopped at random moments, and whether they keep their promises. One JSON line for each.
 
-    python tests/faults/moments.py FOLDER BACKEND COUNT SEED [SAMPLES] >> LINES    # Linux
-    python tests/faults/moments.py --table LINES    # writes results/faults/moments.md
+    python tests/tools/moments.py FOLDER BACKEND COUNT SEED [SAMPLES] >> LINES    # Linux
+    python tests/tools/moments.py --table LINES    # writes results/faults/README.md
 
 BACKEND is serial, threads, processes or dask.
 
@@ -46,7 +46,7 @@ PROMISED = {
     "terminal closed": 130,
     "SIGKILL": -signal.SIGKILL,
 }
-OUT = Path(__file__).parents[2] / "results" / "faults" / "moments.md"
+OUT = Path(__file__).parents[2] / "results" / "faults" / "README.md"
 # By a slow method, so that most of a run is the making of chunks and not its beginning and its end.
 METHOD = {"method": "rk4", "accuracy": 1e-7}
 CHUNKS = 10
@@ -234,7 +234,7 @@ def table(lines):
     text = [
         "# Runs stopped at random moments",
         "",
-        "Made by `python tests/faults/moments.py`. Each run is stopped at a random moment and then continued.",
+        "Made by `python tests/tools/moments.py`. Each run is stopped at a random moment and then continued.",
         f"Half of them are stopped while chunks are made. The run: {what.format(**OPTIONS)}. A promise is broken",
         "in any of these cases: the exit status is neither the promised one nor 0; a traceback or the like is",
         f"printed; a process is alive after {_ORPHANS:.0f} s; a file is left that is not a chunk; the continued",
@@ -254,6 +254,11 @@ def table(lines):
             before, broken = (sum(bool(row[name]) for row in rows) for name in ("before", "broken"))
             cells = (backend, how, len(rows), before, ends, promised, f"{chunks[0]} to {chunks[-1]}", broken)
             text.append("| " + " | ".join(map(str, cells)) + " |")
+    text += [
+        "",
+        "Damaged files, failing system calls, lost workers and full disks are tests: `tests/explorer/runs/`.",
+        "`fuzz.json` has the results of random calls, command lines and edited folders (`nox -s fuzz`).",
+    ]
     OUT.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 

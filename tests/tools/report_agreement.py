@@ -1,6 +1,6 @@
 """Writes results/agreement/: methods against each other, and races that go the wrong way, counted.
 
-python tests/reference/report_agreement.py      # some minutes on two cores
+python tests/tools/report_agreement.py      # some minutes on two cores
 """
 
 from pathlib import Path
@@ -62,7 +62,7 @@ def main():
     lines = [
         "# The methods against each other",
         "",
-        "Made by `python tests/reference/report_agreement.py`.",
+        "Made by `python tests/tools/report_agreement.py`.",
         "",
         f"This table shows which way the contact point races. Each row has {RACES:,} passages on both sides of",
         "the falling set F. The logarithm of |eta_hat|, the distance from F, is uniform: from 1e-300 to 1e-1",

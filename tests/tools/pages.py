@@ -9,7 +9,7 @@ In a page,
 - a `bash` block is for reading only: installing, or starting other programs;
 - a picture that a block saves as `NAME.png` is `docs/images/NAME.png`, where it carries a digest of that block.
 
-`python tests/docs/pages.py` runs all pages and writes their pictures anew.
+`python tests/tools/pages.py` runs all pages and writes their pictures anew.
 """
 
 import contextlib

@@ -1,6 +1,6 @@
 """Writes results/extremes/corners.md: error over estimate of passages drawn in the nastiest corners.
 
-    python tests/reference/report_corners.py      # some twenty minutes; needs python-flint
+    python tests/tools/report_corners.py      # some twenty minutes; needs python-flint
 
 The truth is 40-digit arithmetic, `many_digits`. Draws come from a fixed seed.
 """
@@ -15,8 +15,7 @@ from flint import arb
 
 import explorer as ex
 
-HERE = Path(__file__).parent
-OUT = HERE.parents[1] / "results" / "extremes"
+OUT = Path(__file__).parents[2] / "results" / "extremes"
 BODIES, PER_BODY = 68, 5  # for each corner
 ACCURACIES = {
     "quadrature": (1e-3, 1e-6, 1e-8, 1e-10),
@@ -174,7 +173,7 @@ def main():
     page = [
         "# Errors and their estimates in the corners",
         "",
-        "Made by `python tests/reference/report_corners.py`. Random passages on both faces are compared with",
+        "Made by `python tests/tools/report_corners.py`. Random passages on both faces are compared with",
         "40-digit arithmetic that shares no code with the package. The error of a passage is the largest of",
         "those of its angles (rad), of the angles of its limit motion, of the duration and of theta_min",
         "(relative). *Largest error* is of the passages that are answered. *Median* and *largest* are of the",

@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from peers.problem import DISK, work
+from tools.peers.problem import DISK, work
 
 from kernels.steps.tableaux import CLASSICAL_RK4, DORMAND_PRINCE_853
 

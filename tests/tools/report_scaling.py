@@ -1,6 +1,6 @@
 """Writes results/scaling/: time and memory against the number of samples, jobs, and distance from F.
 
-    python tests/reference/report_scaling.py      # some minutes on two cores
+    python tests/tools/report_scaling.py      # some minutes on two cores
 
 Every row is measured in a process of its own, after warming up, so that memory is the row's.
 """
@@ -182,7 +182,7 @@ def sizes():
     lines = [
         "# Time and memory against the number of samples",
         "",
-        "Made by `python tests/reference/report_scaling.py`, on an " + processor() + ".",
+        "Made by `python tests/tools/report_scaling.py`, on an " + processor() + ".",
         "*States*: the scene falling-set. It draws states, and finds their side of the falling set F, their",
         "distance from F and whether they could fall. No rows are stored. *Passages*: the scene race-angles, with",
         "all rows stored on disk. Both times include the summary, but no pictures. Memory is the peak of the",

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from peers import cpp, tables
-from peers.measuring import PEER, PUBLIC, Row
-from peers.problem import DISK
+from tools.peers import cpp, tables
+from tools.peers.measuring import PEER, PUBLIC, Row
+from tools.peers.problem import DISK
 
 from explorer import compiled
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[1]
 LONG = 1e6  # so that neither the angle nor the time shortens a step
 
 

@@ -54,7 +54,7 @@ def main():
     lines = [
         "# Falling has measure zero",
         "",
-        "Made by `python tests/reference/report_measure_zero.py`. It runs `nearflat run measure-zero` with the",
+        "Made by `python tests/tools/report_measure_zero.py`. It runs `nearflat run measure-zero` with the",
         "defaults: 4 × 10^6 *plain* draws from the whole range of starts (the *box*). In addition, at each tilt "
         "delta",
         "from 1e-1 to 1e-15, it has 2^18 draws close to the falling set F (in *tubes*) for each face of the",
