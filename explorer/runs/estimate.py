@@ -1,6 +1,8 @@
 """What a run will cost, time, memory and room on the disk: some of its chunks are computed and thrown away."""
 
+import contextlib
 import shutil
+import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -52,7 +54,7 @@ def estimate(scene: Scene, settings: Settings) -> Estimate:
     stored, free = sum(sizes) * count / len(probed), _free_bytes(settings.out) if settings.out else None
     disk, held = (stored, 0.0) if settings.out else (0.0, stored)
     at_work = scene.bytes_per_sample * min(scene.length(0), PER_STREAM) + _COPIES * max(sizes)
-    memory = _BASE_MEMORY + jobs * at_work + held
+    memory = max(_BASE_MEMORY, _peak_memory()) + jobs * at_work + held
     return Estimate(count, samples_of(scene), starting + seconds, memory, disk, free, len(probed))
 
 
@@ -67,6 +69,16 @@ def require_room(scene: Scene, settings: Settings, missing: int) -> None:
         if free < needed:
             sizes = f"needs {tqdm.format_sizeof(needed)}B, and {tqdm.format_sizeof(free)}B are free"
             raise InputError(f"out {settings.out}: the run {sizes}; store fewer rows (keep), or set overfill")
+
+
+def _peak_memory() -> float:
+    """Most bytes that this process has had, with states that a user gives; 0 where the system does not say."""
+    with contextlib.suppress(ImportError):
+        import resource
+
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        return float(peak if sys.platform == "darwin" else 1024 * peak)
+    return 0.0
 
 
 def _to_probe(scene: Scene) -> list[int]:

@@ -4,6 +4,8 @@ import time
 
 import coins
 import joblib
+import numpy as np
+import psutil
 import pytest
 from coins import SMALL, Coins
 
@@ -42,3 +44,11 @@ def test_chunks_that_differ_are_tried_at_both_ends_and_in_the_middle(tmp_path):
 def test_an_estimate_counts_every_sample_of_very_many_chunks(tmp_path):
     found = estimate(*asked(Coins, {"samples": 10**10, "out": tmp_path / "run"}))
     assert (found.samples, found.chunks) == (10**10, -(-(10**10) // 65_536))
+
+
+def test_the_memory_of_an_estimate_covers_what_the_process_has_already(tmp_path):
+    """States that a user gives are read by then."""
+    states = {name: np.zeros(4_000_000) for name in ("phi", "phidot", "sigma3", "sigma4")}
+    before = psutil.Process().memory_info().rss
+    found = estimate(*asked("falling-set", {"states": states, "theta_min": "none", "out": tmp_path / "run"}))
+    assert found.memory > max(before, sum(each.nbytes for each in states.values()))
