@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from explorer.errors import InputError, double_of, shown, sign, suggest
-from explorer.measure.density import Density
+from explorer.measure.density import ANY_ENERGY, Density
 from explorer.measure.sampling import Range, Stream
 from explorer.phase.arguments import read_range
 from explorer.phase.coordinates import Chart, angle_unit, chart_of, recognise, warn_of_degrees
 from explorer.phase.disk import Disk
 from explorer.phase.linear_constants import line_chart, line_slope
-from explorer.phase.states import Array, States
+from explorer.phase.states import COORDINATES, Array, States
 
 _TILTS, _SPEEDS = ("phi", "theta", "tilt"), ("phidot", "thetadot", "tilt_rate", "energy")
 # Shares of a distribution below its nodes, and by symmetry above: a third of them in its middle, the others
@@ -162,6 +162,7 @@ class Distribution:
     chart: Chart
     coordinates: dict[str, Coordinate]
     face: int
+    density: Density | None = None
 
     @classmethod
     def of(cls, disk: Disk, given: Mapping[str, Any], degrees: bool) -> "Distribution":
@@ -181,7 +182,7 @@ class Distribution:
             name: Coordinate(name, Factor(density, name) if density.free(name) else None, low, 1.0, "")
             for name, (low, _) in density.box.ranges.items()
         }
-        return cls(disk, recognise(found), found, 1)
+        return cls(disk, recognise(found), found, 1, density)
 
     @property
     def tilt(self) -> Coordinate:
@@ -208,6 +209,25 @@ class Distribution:
         face = {"face": np.full(columns[self.tilt.name].size, float(self.face))}
         given = {**columns, **face}
         return self.chart.make(self.disk, **{name: given[name] for name in self.chart.present(given)})
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is that of its coordinates alone."""
+        density = self.density
+        return density is None or (density.energy == ANY_ENERGY and density.function is None)
+
+    def weighed(self, states: States, weight: Array) -> Array:
+        """Weights of draws from the laws of the coordinates, times what else the density is."""
+        if self.density is None or self.plain:
+            return weight
+        rows, found = np.flatnonzero(weight > 0.0), np.zeros(weight.size)
+        some, (low, high) = states.at(rows), self.density.energy
+        energy = some.motion.energy * self.disk.energy_unit
+        some, rows = some.at(inside := np.flatnonzero((energy >= low) & (energy <= high))), rows[inside]
+        found[rows] = weight[rows]
+        if self.density.function is not None:
+            found[rows] *= self.density.called({name: getattr(some, name) for name in COORDINATES})
+        return found
 
     def place(self, tilt: Array) -> tuple[Array, Array]:
         """Cos phi and sin phi at these values of the tilt, which keep the digits of small ones."""

@@ -76,11 +76,9 @@ def main():
             print(lines[-1], flush=True)
             if number == 0:
                 first = run.summary
-                for name in ("ladder", "convergence", "tilt"):
-                    shutil.copy(run.folder / "figures" / f"{name}.png", OUT / f"{name}.png")
+                shutil.copy(run.folder / "figures" / "ladder.png", OUT / "ladder.png")
     lines += ["", "## The ladder of the first row", "", "![ladder](ladder.png)", ""]
-    lines += [*ladder_lines(first), *law_lines(first), *split_lines(first)]
-    lines += ["", "![convergence](convergence.png)", "", "![tilt](tilt.png)", "", *coverage_lines()]
+    lines += [*ladder_lines(first), *law_lines(first), "", *coverage_lines()]
     (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
@@ -106,30 +104,6 @@ def law_lines(summary):
     yield ""
     yield "If the second law of this table held, some disks would fall although they start far from F. Draws in"
     yield "tubes cannot show this. Plain draws can, but it takes some seven million to reject this law."
-
-
-def split_lines(summary):
-    splits, invariance = summary["splits"], summary["invariance"]
-    face = splits["face_plus"]
-    yield from ("", "## How the probability splits", "")
-    yield f"Share of the probability that belongs to face +1: {face['value']:.5f} +- {face['error']:.5f},"
-    yield f"predicted {face['predicted']:.5f}."
-    yield ""
-    yield "To leading order both signs of eta have the same share;"
-    yield "the relative difference of P from C delta is of order delta:"
-    yield from ("", "| delta | (P+ - P-) / P | 95 % | P/(C delta) - 1 | 95 % |", "|---|---|---|---|---|")
-    for row in splits["eta_positive"][:4]:
-        signs, off = row["asymmetry_interval_95"], row["correction_interval_95"]
-        yield (
-            f"| {row['delta']:g} | {row['asymmetry']:+.5f} | {signs[0]:+.5f} to {signs[1]:+.5f} | "
-            f"{row['correction']:+.5f} | {off[0]:+.5f} to {off[1]:+.5f} |"
-        )
-    yield ""
-    yield "Among the draws that come flatter than delta, theta_min/delta is"
-    yield f"distributed uniformly: p = {splits['tilt']['p_value']:.2g}. The motion keeps volumes in the"
-    yield "phase space: the derivative of the final state with respect to the initial one has a determinant that"
-    yield f"equals 1 within {invariance['determinant_error']:.0e}, and states that have"
-    yield f"moved for some time are distributed as before: p = {invariance['push_forward_p_value']:.2g}."
 
 
 def coverage_lines():
