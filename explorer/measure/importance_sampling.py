@@ -189,7 +189,7 @@ class NearFallingSet:
     def _near_flat(self, face: int, beside: float, random: Stream, count: int) -> Weighted:
         """Plain draws with a tilt between flat and so far from it."""
         (end, inward), name = self._flat_end(face), self.source.tilt.name
-        columns = self.source.draw(random, count)
+        columns = self.source.draw_laws(random, count)
         columns[name] = end + inward * beside * (1.0 - random.random(count))
         weight, states = self.source.tilt.density(columns[name]) * beside, self.source.states(columns)
         if end != 0.0 and beside < _NEAR_FLAT * _RESOLVED:
@@ -370,7 +370,7 @@ class Tube:
         """sigma3_bar where one of the pair is a number, which sets it; else as it is."""
         if self._fixed is None:
             return bar
-        set_by: Array = (self.source.pair[self._fixed].value - pair[self._fixed, 1] * eta) / pair[self._fixed, 0]
+        set_by: Array = (self.source.pair[self._fixed].ends[0] - pair[self._fixed, 1] * eta) / pair[self._fixed, 0]
         return set_by
 
 

@@ -5,7 +5,6 @@ in tubes near F estimate P(theta_min < delta) with weights, rung by rung of a la
 P = C delta, C by an integral over F; it is fitted, tested, and compared with laws that it is not.
 """
 
-import math
 from collections.abc import Iterator
 from functools import cached_property, partial
 from typing import Any
@@ -16,9 +15,8 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError, said
 from explorer.measure import laws, statistics
-from explorer.measure.density import Density
 from explorer.measure.distributions import Distribution
-from explorer.measure.falling_constant import FallingConstant, constant_of, mass_of
+from explorer.measure.falling_constant import FallingConstant, constant_of
 from explorer.measure.importance_sampling import FEWEST, KERNELS, NearFallingSet, Rare
 from explorer.measure.laws import Estimate, Law
 from explorer.measure.sampling import Range, Stream, numbered_stream
@@ -91,7 +89,7 @@ class MeasureZero(FromDensity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not {"sigma3", "sigma4"} & set(self.box.free):
+        if not any(self.source.coordinates[name].free for name in ("sigma3", "sigma4")):
             raise InputError(
                 "box: sigma3 and sigma4 are both fixed, so the falling set is met at isolated tilts or not at "
                 "all; give one of them a range"
@@ -103,8 +101,8 @@ class MeasureZero(FromDensity):
             )
 
     @cached_property
-    def source(self) -> Density:
-        return Density.of(self.disk, self.box, self.energy, self.gaussian, self.density)
+    def source(self) -> Distribution:
+        return Distribution.invariant(self.disk, self.box, self.energy, self.density)
 
     @cached_property
     def deltas(self) -> Array:
@@ -116,18 +114,17 @@ class MeasureZero(FromDensity):
     @cached_property
     def near_f(self) -> NearFallingSet:
         """Whose draws estimate P; two approaches to flat have the smallest tilt."""
-        return NearFallingSet(Distribution.of_density(self.disk, self.source), 2, self.accuracy)
+        return NearFallingSet(self.source, 2, self.accuracy)
 
     @cached_property
     def constant(self) -> FallingConstant:
         """C by an integral over F. Raises InputError where the density is zero in all of the box."""
-        return constant_of(self.disk, self.source)
+        return constant_of(self.source)
 
     @cached_property
     def share(self) -> float:
         """Of draws from the laws of the coordinates those that the density has."""
-        density = self.source.seen_from(self.disk, 1)
-        return mass_of(self.disk, self.source) / math.prod(density.factor_mass(name) for name in density.box.free)
+        return 1.0 if self.source.plain else self.constant.mass / self.source.volume
 
     @cached_property
     def law(self) -> Law | None:
@@ -165,9 +162,6 @@ class MeasureZero(FromDensity):
             return super().streams(index - self._in_tubes, self._in_tubes)
         count = self.length(index)  # of a batch, which has a stream of its own
         return iter([(numbered_stream(self.seed, index), count, range(count))])
-
-    def draw(self, random: Stream, count: int) -> Table:
-        return self.source.draw(self.disk, random, count)
 
     def chunk(self, index: int) -> tuple[Table, ZeroCounts]:
         table, tally = self._plain(index) if index >= self._in_tubes else self._batch(index)

@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 import explorer as ex
-from explorer.measure.density import Density
+from explorer.measure.distributions import Distribution
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from small_runs import DELTAS, coverage
@@ -23,7 +23,7 @@ CASES = (
     ("matching", {"box": "phi=-1:1"}),
     ("uniform", {"box": f"phi={-HALF_PI!r}:{HALF_PI!r}", "energy": ":3"}),
     ("hoop", {"box": "phi=-0.5:1,sigma4=0.3"}),
-    ("uniform", {"gaussian": "phidot=0.5:0.3,sigma4=0:0.5"}),
+    ("uniform", {"box": "phidot=norm:0.5:0.3,sigma4=norm:0:0.5"}),
 )
 COVERED = (("uniform", None, 256), ("hoop", "phi=-1:1", 256), ("matching", "phi=-1:1", 64))
 LAWS = {
@@ -113,7 +113,7 @@ def coverage_lines():
     yield from ("", "| disk | box | draws per rung and face | C | slope | a rung |", "|---|---|---|---|---|---|")
     for name, box, draws in COVERED:
         disk = ex.Disk.parse(name)
-        shares = coverage(disk, Density.of(disk, box), 400, draws, seed=12)
+        shares = coverage(Distribution.invariant(disk, box), 400, draws, seed=12)
         cells = " | ".join(f"{share:.3f}" for share in shares)
         yield f"| {name} | {box or 'the vertical'} | {draws} | {cells} |"
 

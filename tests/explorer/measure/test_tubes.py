@@ -9,7 +9,6 @@ from slow_chaplygin import SlowMotion
 from small_runs import coverage
 
 import explorer as ex
-from explorer.measure.density import Density
 from explorer.measure.distributions import Distribution
 from explorer.measure.falling_constant import constant_of
 from explorer.measure.importance_sampling import NearFallingSet, Rare
@@ -19,8 +18,8 @@ from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.states import COORDINATES, phi_to_states
 
 
-def drawn(disk, density, face, delta, count, accuracy=1e-6):
-    near_f = NearFallingSet(Distribution.of_density(disk, density), 2, accuracy)
+def drawn(density, face, delta, count, accuracy=1e-6):
+    near_f = NearFallingSet(density, 2, accuracy)
     found, *_ = near_f.draw(face, delta, np.random.default_rng(5), count)
     return found
 
@@ -45,8 +44,8 @@ def test_a_tube_holds_every_state_that_comes_flatter(name, delta):
 def test_draws_of_a_tube_are_states_with_the_eta_they_claim(box, face):
     """At an eta that a state can express, the constants of motion of the state itself agree."""
     disk = ex.Disk.hoop(m=2.0, r=0.5, g=9.81)
-    density = Density.of(disk, box)
-    found = drawn(disk, density, face, 0.05, 500)
+    density = Distribution.invariant(disk, box)
+    found = drawn(density, face, 0.05, 500)
     rows = np.flatnonzero(found.weight > 0.0)
     assert rows.size > 50
     given = ex.constants(found.states[rows])
@@ -62,8 +61,8 @@ def test_draws_of_a_tube_are_states_with_the_eta_they_claim(box, face):
 
 def test_draws_of_a_tube_of_little_I3_have_the_tilts_of_their_constants():
     disk = ex.Disk(I1=0.25, I3=1e-4)
-    density = Density.of(disk, "sigma4=-100:100")
-    found = drawn(disk, density, 1, 0.01, 4000, 1e-9)
+    density = Distribution.invariant(disk, "sigma4=-100:100")
+    found = drawn(density, 1, 0.01, 4000, 1e-9)
     rows = np.flatnonzero((found.weight > 0.0) & (found.states.phi >= 0.0))
     assert rows.size > 20
     assert (found.status[rows] == ex.Status.OK).all()
@@ -80,7 +79,7 @@ def test_draws_of_a_tube_of_little_I3_have_the_tilts_of_their_constants():
 def test_any_tube_ends_with_a_finite_weight_and_a_status_for_every_draw(box):
     disk = ex.Disk.uniform()
     for delta, face in itertools.product((1e-100, 1e-12, 1.0), (1, -1)):
-        found = drawn(disk, Density.of(disk, box, ":1e9"), face, delta, 200)
+        found = drawn(Distribution.invariant(disk, box, ":1e9"), face, delta, 200)
         assert np.isfinite(found.weight).all()
         assert (found.weight >= 0.0).all()
         counted = found.weight > 0.0
@@ -91,7 +90,7 @@ def test_any_tube_ends_with_a_finite_weight_and_a_status_for_every_draw(box):
 def test_intervals_cover_over_four_hundred_small_runs():
     """Between 92 % and 98 % of the 95 % intervals of C, of the slope and of a rung contain the truth."""
     disk = ex.Disk.uniform()
-    shares = coverage(disk, Density.of(disk, "phi=-1:1"), runs=400, draws=128, seed=12)
+    shares = coverage(Distribution.invariant(disk, "phi=-1:1"), runs=400, draws=128, seed=12)
     assert all(0.92 <= share <= 0.98 for share in shares), shares
 
 
@@ -99,17 +98,17 @@ def test_intervals_cover_over_four_hundred_small_runs():
 def test_weights_of_draws_are_the_probability_of_coming_flat(box):
     """P = C delta at a delta so small that its next term, of order delta^2, is far below the error."""
     disk = BODIES["hoop"]
-    density = Density.of(disk, box)
-    near_f = NearFallingSet(Distribution.of_density(disk, density), 2, 1e-6)
+    density = Distribution.invariant(disk, box)
+    near_f = NearFallingSet(density, 2, 1e-6)
     found = near_f.below(1e-9, np.random.default_rng(5), 20_000)
     assert found.unknown == 0.0
     assert found.estimate.error < 0.02 * found.estimate.value
-    assert abs(found.estimate.value - 1e-9 * constant_of(disk, density).value) < 4.0 * found.estimate.error
+    assert abs(found.estimate.value - 1e-9 * constant_of(density).value) < 4.0 * found.estimate.error
 
 
 def test_an_estimate_is_the_sum_of_the_means_of_its_strata_and_so_is_its_variance():
     disk = BODIES["uniform"]
-    near_f = NearFallingSet(Distribution.of_density(disk, Density.of(disk)), 2, 1e-6)
+    near_f = NearFallingSet(Distribution.box(disk), 2, 1e-6)
     parts = [part for face in (1, -1) for part in near_f.draw(face, 1e-3, np.random.default_rng(face + 1), 512)]
     hits = np.array([part.weight * (part.theta_min < 1e-3) for part in parts])
     found = Rare.of([part.sums(1e-3) for part in parts], share=0.5)

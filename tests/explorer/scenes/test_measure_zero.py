@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import computed
+from scipy.stats import norm
 
 import explorer as ex
 from explorer.phase.constants import constants
@@ -18,6 +19,11 @@ from explorer.scenes.scene import scene_of
 
 pytestmark = pytest.mark.long
 FEW = {"samples": 5000, "tube": 512, "ladder": "1e-6:1e-1", "keep": "all"}
+
+
+def bell(mean, deviation, low=-2.0, high=2.0):
+    """A normal law, cut off at the ends of a box."""
+    return f"truncnorm:{(low - mean) / deviation}:{(high - mean) / deviation}:{mean}:{deviation}"
 
 
 def summary_of(**options):
@@ -52,7 +58,7 @@ def few():
         ("hoop", {"box": "phi=-1:1"}),
         ("uniform", {"box": "phi=-1.5:1.5", "energy": ":3"}),
         ("hoop", {"box": "phi=-0.5:1,sigma4=0.3"}),
-        ("matching", {"box": "phi=0.2", "gaussian": "sigma3=0:0.7,phidot=0.5:0.4"}),
+        ("matching", {"box": f"phi=0.2,sigma3=norm:0:0.7,phidot={bell(0.5, 0.4)}"}),
     ],
 )
 def test_slope_and_constant_are_those_of_codimension_one(disk, options):
@@ -191,7 +197,7 @@ def test_a_density_given_in_python_is_sampled_and_identified():
 
 
 def test_options_come_back_from_json():
-    options = {"energy": "1.2:4", "gaussian": "sigma3=0.5:1", "box": "phi=-1:1"}
+    options = {"energy": "1.2:4", "box": {"phi": (-1, 1), "sigma3": norm(0.5, 1)}}
     scene = MeasureZero(samples=1000, tube=512, ladder="1e-7:1e-1", **options)
     assert scene_of(json.loads(json.dumps(scene.options))) == scene
 
@@ -201,7 +207,7 @@ def test_options_come_back_from_json():
     [
         ({"ladder": "1e-3:2"}, "ladder"),
         ({"ladder": "1e-1:1e-15"}, "LOW:HIGH"),
-        ({"gaussian": "phidot=1e9:1"}, "at most 37 deviations outside"),
+        ({"box": "phidot=norm:1e9:1"}, "rates beyond"),
         ({"energy": ":0.5"}, "energy: only 0 of"),
         ({"box": "sigma3=1e300:2e300"}, "rates beyond"),
         ({"disk": "m=1,r=1,g=1,I1=1,I3=1e-6"}, "too steep"),
@@ -233,13 +239,13 @@ def test_states_beside_both_lines_count_once(box):
 @pytest.mark.parametrize(
     "options",
     [
-        {"gaussian": "phidot=0.5:1e-5"},
-        {"gaussian": "sigma3=0.5:0.02,sigma4=0.364:0.02,phidot=0.5:0.02"},
+        {"box": "phidot=norm:0.5:1e-5"},
+        {"box": "sigma3=norm:0.5:0.02,sigma4=norm:0.364:0.02,phidot=norm:0.5:0.02"},
         {"box": "phi=-1.2:1.2,sigma3=0.79:0.81,sigma4=1.19:1.21"},
         {"box": "phidot=-1:1,sigma3=-1e-3:1e-3,sigma4=-2:2"},
         {"box": "phi=-1:1,sigma4=1e-4"},
-        {"box": "sigma3=-1:2", "gaussian": "sigma3=6.1:0.5"},
-        {"box": "sigma3=-1:2", "gaussian": "sigma3=10:0.5,sigma4=-30:3"},
+        {"box": f"sigma3={bell(6.1, 0.5, -1)}"},
+        {"box": f"sigma3={bell(10, 0.5, -1)},sigma4={bell(-30, 3)}"},
     ],
     ids=["fast", "bells", "narrow", "thin", "beside both", "tail", "tails"],
 )
