@@ -4,7 +4,7 @@ It runs from Python, as below, and by: nearflat run own_scene.py:Periods --speed
 """
 
 import explorer as ex
-from explorer.scenes import Box, Column, Counts, LogHistogram, SampledScene, number_from, option
+from explorer.scenes import Column, Counts, Distribution, LogHistogram, SampledScene, number_from, option
 
 
 class PeriodCounts(Counts):
@@ -22,7 +22,8 @@ class Periods(SampledScene):
     columns = {"phidot": Column("Speed at the vertical.", "rad/time"), "period": Column("Period.", "time")}  # noqa: RUF012
 
     def draw(self, random, count):  # initial states, 65,536 from each random stream
-        return Box((0.0, 0.0), (0.1, self.speed), (-1.0, 1.0), (-1.0, 1.0)).draw(random, count)
+        box = {"phidot": (0.1, self.speed), "sigma3": (-1.0, 1.0), "sigma4": (-1.0, 1.0)}
+        return Distribution.box(self.disk, box).draw(random, count)
 
     def observe(self, drawn):  # what is found of some of them
         found = ex.periods(ex.phi_to_states(self.disk, **drawn), accuracy=self.accuracy)

@@ -8,7 +8,6 @@ import numpy as np
 
 from explorer.commands.plan import RunPlan
 from explorer.commands.trade import Trade
-from explorer.measure.sampling import Box
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 from explorer.measure.slices import Slice
@@ -23,9 +22,8 @@ class Keywords(TypedDict, total=False):
     samples: int | float | str
     keep: Literal['none', 'near', 'all']
     chunk_size: int | float | str
-    box: str | Box | Mapping[str, tuple[float, float]]
+    box: str | Mapping[str, Any]
     energy: str | tuple[float | None, float | None]
-    gaussian: str | Mapping[str, tuple[float, float]]
     density: Callable[..., Array]
     degrees: bool
     states: Path | str | States | Any
@@ -60,4 +58,4 @@ def plan(scene: Known, **options: Unpack[Keywords]) -> RunPlan: ...
 @overload
 def plan(scene: str | type[Scene], **options: Any) -> RunPlan: ...
 
-def trade(*, disk: Disk | str = ..., samples: int | float | str = ..., seed: int | float | str = ..., box: str | Box | Mapping[str, tuple[float, float]] = ..., eta_hat: str | float | tuple[float, float] = ..., motions: int | float | str = ..., t_end: float | str = ..., progress: bool = ...) -> Trade: ...
+def trade(*, disk: Disk | str = ..., samples: int | float | str = ..., seed: int | float | str = ..., box: str | Mapping[str, Any] = ..., eta_hat: str | float | tuple[float, float] = ..., motions: int | float | str = ..., t_end: float | str = ..., progress: bool = ...) -> Trade: ...

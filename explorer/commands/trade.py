@@ -16,8 +16,8 @@ from explorer.motion.work_precision import Measured, Row, measure
 from explorer.paths import own_folder
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import SYNTAX, Disk
-from explorer.scenes.options import DISK, RANGE, RANGES, TRUTH, Options, Reader, option, whole_from
-from explorer.scenes.race_angles import NearF, start_of
+from explorer.scenes.options import BOX, DISK, RANGE, TRUTH, Options, Reader, option, whole_from
+from explorer.scenes.race_angles import RaceAngles, start_of
 from explorer.scenes.scene import joined
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT
 
@@ -48,7 +48,7 @@ class Trading(Options):
     # The time of fewer is mostly that of the call.
     samples: int = option(whole_from(256), "number of passages", default=4096)
     seed: int = option(whole_from(0, 2**128 - 1, "S"), "seed of the random streams", default=0)
-    box: Any = option(RANGES, BOX_NEAR_F, words="phidot=0.5:2,sigma3=-2:2 in natural units")
+    box: Any = option(BOX, BOX_NEAR_F, words="phidot=0.5:2,sigma3=-2:2 in natural units")
     eta_hat: Range = option(
         RANGE,
         ETA_HAT,
@@ -68,10 +68,10 @@ class Trading(Options):
     progress: bool = option(TRUTH._replace(metavar=None), "False prints nothing", default=True)
 
     @property
-    def scene(self) -> NearF:
+    def scene(self) -> RaceAngles:
         """The scene whose samples they are."""
         said = {name: getattr(self, name) for name in ("disk", "samples", "seed", "box", "eta_hat")}
-        return NearF(**said)
+        return RaceAngles(start="near", **said)
 
     def reference_samples(self) -> list[ReferenceSamples]:
         """The passages, and the motions if some are asked."""
@@ -101,7 +101,7 @@ class Trade:
     >>> print(min(row.nanoseconds for row in found.rows if row.p99 < 1e-6))  # doctest: +SKIP
     """
 
-    scene: NearF
+    scene: RaceAngles
     parts: list[Measured]
 
     @property

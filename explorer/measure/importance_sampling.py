@@ -6,9 +6,10 @@ first draws tell. What lies so near flat that no tube holds it is drawn plainly.
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.measure import laws
 from explorer.measure.distributions import Distribution
-from explorer.measure.laws import Estimate
+from explorer.measure.laws import Estimate, Law
 from explorer.measure.sampling import Stream
 from explorer.measure.tubes import TiltAndRate, counts_on, half_width
 from explorer.motion.orbits import KERNELS as OF_ENDS
@@ -41,8 +42,12 @@ _OWN, _OWN_PAIR = 0.15, 0.03
 _RESOLVED = 1e-12
 
 
-# Weights of draws and their theta_min: the mean of weight times an indicator is a probability.
-Weighted = tuple[Array, Array]
+# Hits, or worth of hits, with which an interval is to be trusted; and the fewest draws that tell of a law.
+FEWEST, LEAST = 100, 1 << 12
+# Where the law holds: decades of delta, and how far P may be off C delta.
+_DELTAS = tuple(10.0**-decade for decade in range(1, 13))
+_HOLDS = 0.05
+_SMALL = 1e-30  # the delta at which C is found: eta_hat is a number of its own, so no digit is lost
 
 
 @dataclass(frozen=True)
@@ -56,10 +61,43 @@ class Rare:
     effective: float
     unknown: float
 
+    @classmethod
+    def of(cls, sums: Array, share: float) -> "Rare":
+        """From the sums of independent strata (strata, 4), as `Weighted.sums`, over the share of all draws."""
+        total, squares, unknown, draws = np.reshape(sums, (-1, 4)).T
+        found = laws.total(laws.mean_of_draws(total[:, None], squares[:, None], draws[:, None]))
+        whole, own = (total / draws).sum(), (squares / draws**2).sum()
+        estimate = Estimate(found.value / share, found.error / share, found.dof)
+        return cls(estimate, float(whole**2 / own) if own > 0.0 else 0.0, float((unknown / draws).sum() / share))
+
+
+class Weighted(NamedTuple):
+    """Draws of one stratum.
+
+    weight: the mean of weight times an indicator is the probability of an event there; zero outside of the tube,
+    the energies and the distribution, and where the other face is nearer. theta_min: of the whole motion (rad);
+    NaN where the weight is zero, and where it is not known.
+    """
+
+    states: States
+    weight: Array
+    theta_min: Array
+    status: NDArray[np.int8]
+
+    def sums(self, delta: float) -> list[float]:
+        """Sums of the weights of hits, of their squares and of the weights of what is not known, and draws."""
+        hit = np.where(self.theta_min < delta, self.weight, 0.0)
+        unknown = self.weight[np.isnan(self.theta_min)]
+        return [float(hit.sum()), float((hit * hit).sum()), float(unknown.sum()), hit.size]
+
 
 @dataclass(frozen=True)
 class NearFallingSet:
-    """Draws near F on either face for states with a distribution, followed for `count` approaches to flat."""
+    """Draws near F on either face for states with a distribution, followed for `count` approaches to flat.
+
+    Probabilities are those of draws from the laws of its coordinates that are states, in its energies, and times
+    its weight. Over the share of all such draws they are those of the distribution.
+    """
 
     source: Distribution
     count: int
@@ -74,43 +112,91 @@ class NearFallingSet:
             return f"{names}: eta_hat is fixed" if second.name == "eta_hat" and not second.free else ""
         return f"{names} are numbers, so that the falling set is met at single tilts or not at all"
 
-    def below(self, delta: float, random: Stream, draws: int) -> Rare:
+    def below(self, delta: float, random: Stream, draws: int, share: float = 1.0) -> Rare:
         """P(theta_min < delta), by so many draws at each face."""
-        tubes = [Tube(self.source, face, delta, _NEAR_FLAT * delta) for face in (1, -1)]
-        strata = [[self._in_tube(tube, random, n) for n in _blocks(draws)] for tube in tubes if tube.own.any()]
-        strata += [[self._near_flat(*end, random, n) for n in _blocks(draws // 4)] for end in self._flat(delta)]
-        return _added([_sums(parts, delta) for parts in strata])
+        sums = []
+        for face in (1, -1):
+            blocks = [self.draw(face, delta, random, n) for n in _blocks(draws)]
+            sums += np.sum([[part.sums(delta) for part in block] for block in blocks], axis=0).tolist()
+        return Rare.of(np.array(sums), share)
 
-    def _in_tube(self, tube: "Tube", random: Stream, count: int) -> Weighted:
-        """Draws of a tube, and where in it they come to."""
-        drawn = tube.draw_near_f(random, count)
-        rows = np.flatnonzero((drawn.weight > 0.0) & drawn.within)
-        theta = np.full(count, np.inf)
-        theta[rows] = smallest_tilts(drawn.states(self.source.disk, tube.face, rows), self.count, self.accuracy)[0]
-        return drawn.weight, theta
+    def law(self, random: Stream, draws: int, share: float = 1.0) -> Law | None:
+        """C, and from which delta on it holds; None where P is no multiple of small ones, or F is hardly met."""
+        C = self.below(_SMALL, random, draws, share)
+        if C.effective < FEWEST:
+            return None
+        relative = C.estimate.error / C.estimate.value
+        # So many draws that errors are a fifth of what is asked, and at least a quarter of those of C.
+        some = max(LEAST, int(draws * min(max((relative / (0.2 * _HOLDS)) ** 2, 0.25), 16.0)))
 
-    def _flat(self, delta: float) -> Iterator[tuple[float, float]]:
-        """The ranges of the tilt that lie beside flat, where its density is not zero there."""
-        ends = (-0.5 * math.pi, 0.5 * math.pi) if self.source.tilt.name == "phi" else (0.0, math.pi)
-        beside, tilt = _NEAR_FLAT * delta, self.source.tilt
-        for end, inward in zip(ends, (beside, -beside), strict=True):
-            # Evenly spaced tilts alone would miss a narrow distribution.
-            looked_at = [end + inward * np.linspace(0.0, 1.0, 17), tilt.nodes[abs(tilt.nodes - end) <= beside]]
-            if tilt.free and tilt.density(np.concatenate(looked_at)).any():
-                yield end, inward
+        @cache
+        def off(delta: float) -> tuple[float, float]:
+            """By how much P differs from C delta, relative, and the standard error of that."""
+            part = self.below(delta, random, some, share)
+            if part.effective < FEWEST:
+                return math.inf, math.inf
+            unit = C.estimate.value * (delta / _SMALL)
+            return abs(part.estimate.value / unit - 1.0), math.hypot(part.estimate.error / unit, relative)
 
-    def _near_flat(self, end: float, inward: float, random: Stream, count: int) -> Weighted:
-        """Plain draws with a tilt between flat and so far inward."""
-        name = self.source.tilt.name
-        columns = self.source.draw(random, count)
-        columns[name] = end + inward * (1.0 - random.random(count))
-        weight = self.source.tilt.density(columns[name]) * abs(inward)
-        if end != 0.0 and abs(inward) < _NEAR_FLAT * _RESOLVED:
-            return weight, np.full(count, np.nan)
-        states = self.source.states(columns)
-        theta, _ = smallest_tilts(states, self.count, self.accuracy)
+        def holds(delta: float) -> bool:
+            return sum(off(delta)) <= _HOLDS
+
+        away, error = off(_DELTAS[-1])
+        if not away <= _HOLDS + 3.0 * error < math.inf:
+            return None
+        # One delta may agree by chance, where P crosses the law.
+        below = next((high for high, low in pairwise(_DELTAS) if holds(high) and holds(low)), _DELTAS[-1])
+        return Law(float(C.estimate.value / _SMALL), float(C.estimate.error / _SMALL), below)
+
+    @cached_property
+    def _tubes(self) -> dict[tuple[int, float], "Tube"]:
+        """Tubes by face and tilt: their first draws serve all others."""
+        return {}
+
+    def draw(self, face: int, delta: float, random: Stream, count: int) -> list[Weighted]:
+        """So many draws near F of a face, or none: in the tube, and a fifth of them beside flat where some lie."""
+        source = self.source
+        beside = _NEAR_FLAT * delta if source.plain and delta <= LARGEST_DELTA else 0.0
+        tube = self._tubes.setdefault((face, delta), Tube(source, face, delta, beside))
+        flat = max(count // 5, 2) if beside and self._lies_beside(face, beside) else 0
+        parts = []
+        if tube.own.any():
+            drawn = tube.draw_near_f(random, count - flat)
+            parts.append(self._followed(drawn.states(source.disk, face), drawn.weight, drawn.within))
+        return [*parts, self._near_flat(face, beside, random, flat)] if flat else parts
+
+    def _followed(self, states: States, weight: Array, within: NDArray[np.bool_]) -> Weighted:
+        """theta_min of draws in the tube, weighted by what else the density is."""
+        weight, theta = self.source.weighed(states, np.where(within, weight, 0.0)), np.full(weight.size, np.nan)
+        rows, status = np.flatnonzero(weight > 0.0), np.zeros(weight.size, np.int8)
+        theta[rows], status[rows] = smallest_tilts(states.at(rows), self.count, self.accuracy)
+        return Weighted(states, weight, theta, status)
+
+    def _flat_end(self, face: int) -> tuple[float, float]:
+        """The tilt that is flat on a face, and the direction away from it."""
+        if self.source.tilt.name == "phi":
+            return face * 0.5 * math.pi, -face
+        return (0.0, 1.0) if face == self.source.face else (math.pi, -1.0)
+
+    def _lies_beside(self, face: int, beside: float) -> bool:
+        """Whether some tilts lie so near flat on a face."""
+        (end, inward), tilt = self._flat_end(face), self.source.tilt
+        # Evenly spaced tilts alone would miss a narrow distribution.
+        nodes = tilt.nodes[abs(tilt.nodes - end) <= beside]
+        looked_at = [end + inward * beside * np.linspace(0.0, 1.0, 17), nodes]
+        return tilt.free and bool(tilt.density(np.concatenate(looked_at)).any())
+
+    def _near_flat(self, face: int, beside: float, random: Stream, count: int) -> Weighted:
+        """Plain draws with a tilt between flat and so far from it."""
+        (end, inward), name = self._flat_end(face), self.source.tilt.name
+        columns = self.source.draw_laws(random, count)
+        columns[name] = end + inward * beside * (1.0 - random.random(count))
+        weight, states = self.source.tilt.density(columns[name]) * beside, self.source.states(columns)
+        if end != 0.0 and beside < _NEAR_FLAT * _RESOLVED:
+            return Weighted(states, weight, np.full(count, np.nan), states.status)
+        theta, status = smallest_tilts(states, self.count, self.accuracy)
         bad = states.status == compiled.status.Status.BAD_INPUT
-        return np.where(bad, 0.0, weight), theta
+        return Weighted(states, np.where(bad, 0.0, weight), theta, status)
 
 
 @dataclass(frozen=True)
@@ -123,12 +209,14 @@ class Drawn:
     weight: Array
     within: NDArray[np.bool_]
 
-    def states(self, disk: Disk, face: int, rows: NDArray[np.intp]) -> States:
-        """Some of them as states, whose eta_hat keeps its digits."""
-        place, (s3, s4) = self.place, self.place.chart.rates(self.bar, self.eta)
-        natural = np.stack([place.q, face * place.z, -place.phidot, s3 / place.q, face * s4])[:, rows]
-        motion = motion_given(disk, self.bar[rows], self.eta[rows], np.full(rows.size, face > 0))
-        return States(disk, np.ascontiguousarray(natural), np.zeros(rows.size, np.int8), motion)
+    def states(self, disk: Disk, face: int) -> States:
+        """The states, whose eta_hat keeps its digits."""
+        place, count = self.place, self.bar.size
+        with np.errstate(all="ignore"):  # where the weight is zero
+            s3, s4 = place.chart.rates(self.bar, self.eta)
+            natural = np.stack([place.q, face * place.z, -place.phidot, s3 / place.q, face * s4])
+            motion = motion_given(disk, self.bar, self.eta, np.full(count, face > 0))
+        return States(disk, np.ascontiguousarray(natural), np.zeros(count, np.int8), motion)
 
 
 @dataclass(frozen=True)
@@ -282,26 +370,9 @@ class Tube:
         """sigma3_bar where one of the pair is a number, which sets it; else as it is."""
         if self._fixed is None:
             return bar
-        set_by: Array = (self.source.pair[self._fixed].value - pair[self._fixed, 1] * eta) / pair[self._fixed, 0]
+        set_by: Array = (self.source.pair[self._fixed].ends[0] - pair[self._fixed, 1] * eta) / pair[self._fixed, 0]
         return set_by
 
 
 def _blocks(draws: int) -> list[int]:
     return [min(BLOCK, draws - first) for first in range(0, draws, BLOCK)]
-
-
-def _sums(parts: list[Weighted], delta: float) -> Array:
-    """Of a stratum: sum of weights of hits, of their squares, weights of what is not known, and draws."""
-    rows = []
-    for weight, theta_min in parts:
-        hit = np.where(theta_min < delta, weight, 0.0)
-        rows.append([hit.sum(), (hit * hit).sum(), weight[np.isnan(theta_min)].sum(), hit.size])
-    summed: Array = np.sum(rows, axis=0)
-    return summed
-
-
-def _added(strata: list[Array]) -> Rare:
-    sums, squares, unknown, draws = np.array(strata).T
-    estimate = laws.total(laws.mean_of_draws(sums[:, None], squares[:, None], draws[:, None]))
-    whole, own = (sums / draws).sum(), (squares / draws**2).sum()
-    return Rare(estimate, float(whole**2 / own) if own > 0.0 else 0.0, float((unknown / draws).sum()))

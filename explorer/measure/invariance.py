@@ -5,7 +5,7 @@ equations, has determinant 1. Statistically: states drawn from it within a bound
 are distributed as before after any time.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -15,11 +15,9 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, number, positive, whole
-from explorer.measure.density import Density
-from explorer.measure.sampling import Box, stream_of
+from explorer.measure.distributions import Distribution
+from explorer.measure.sampling import stream_of
 from explorer.measure.statistics import either_p
-from explorer.motion.orbits import WITH_PLACES
-from explorer.motion.plan import plan
 from explorer.motion.threads import attended, blocks
 from explorer.motion.trajectories import simulate
 from explorer.phase.disk import Disk, require_axial_inertia
@@ -199,7 +197,7 @@ def push_forward(
     time, random = positive("time", time), stream_of(rng)
     samples = whole("samples", samples, _FEWEST, _MOST_SAMPLES)
     density = energy_density(disk, _HIGHEST * disk.energy_unit if energy is None else number("energy", energy))
-    still, start = (density.draw(disk, random, samples) for _ in range(2))
+    still, start = (density.draw(random, samples) for _ in range(2))
     states = phi_to_states(disk, **start)
     most = _STEPS_IN_ALL // samples
     motions = simulate(states, t_eval=[time], observables=COORDINATES, accuracy=_ACCURACY, max_steps=most)
@@ -216,13 +214,7 @@ def push_forward(
     return Pushed(first, pushed, p_values, either_p(*p_values.values()), int((~good).sum()))
 
 
-def kernels() -> tuple[str, ...]:
-    """The kernels of `flow_stretch` and `push_forward`, for `compiled.warmup`."""
-    how = plan(COORDINATES, _ACCURACY)
-    return "variation.variation_batch", "algebra.constants_batch", *WITH_PLACES, how.in_time.kernel
-
-
-def energy_density(disk: Disk, energy: float) -> Density:
+def energy_density(disk: Disk, energy: float) -> Distribution:
     """The measure on the states of energy up to `energy`, in a box that holds them all."""
     b, unit = disk.body, disk.rate_unit
     highest = energy / disk.energy_unit
@@ -231,6 +223,6 @@ def energy_density(disk: Disk, energy: float) -> Density:
             f"energy = {energy:g}: give more than m g r = {disk.energy_unit:g}, that of an upright disk"
         )
     reach = [np.sqrt(2.0 * highest / inertia) * unit for inertia in (b.M, b.I1, b.J)]
-    half_pi = 0.5 * np.pi
-    box = Box((-half_pi, half_pi), *((-float(r), float(r)) for r in reach))
-    return Density(box, (-np.inf, energy))
+    ends = (0.5 * np.pi, *map(float, reach))
+    box = {name: (-end, end) for name, end in zip(COORDINATES, ends, strict=True)}
+    return replace(Distribution.box(disk, box), energy=(-np.inf, energy))

@@ -6,7 +6,7 @@ plain draws are binomial. Nothing here is about disks.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -15,11 +15,22 @@ from numpy.typing import NDArray
 from explorer.measure.statistics import either_p
 from explorer.phase.arguments import Array
 
-Law = Callable[[Array], Array]
+Formula = Callable[[Array], Array]
 CONFIDENCE = 0.95  # of intervals, and one less the level at which tests reject
-SHAPE_BINS = 20  # of theta_min / delta
+_MANY = 25  # plain hits, enough for a normal distribution
 # The wrong laws: a probability of falling, and a relative error of C.
 PLATEAU, OFF = 1e-6, 0.02
+
+
+class Law(NamedTuple):
+    """The law P = C delta of small delta: C with its standard error, and from which delta on it holds.
+
+    holds_below: P is within 5 % of C delta there and below, as far as 1e-12; powers of ten are tried.
+    """
+
+    constant: float
+    error: float
+    holds_below: float
 
 
 @dataclass(frozen=True)
@@ -84,7 +95,7 @@ def fit_slope(delta: Array, ladder: Estimate) -> Estimate:
     return Estimate((factors * np.log(ladder.value)).sum(), spread.error, spread.dof)
 
 
-def ladder_p(delta: Array, ladder: Estimate, law: Law, law_error: float = 0.0) -> float:
+def ladder_p(delta: Array, ladder: Estimate, law: Formula, law_error: float = 0.0) -> float:
     """p-value of a law: chi-square of all rungs. law_error: relative, of the law itself."""
     expected = law(delta)
     error = np.hypot(ladder.error, law_error * expected)
@@ -94,14 +105,14 @@ def ladder_p(delta: Array, ladder: Estimate, law: Law, law_error: float = 0.0) -
     return float(scipy.stats.chi2.sf((np.minimum(normal, 1e3) ** 2).sum(), delta.size))
 
 
-def bins_of(delta: Array, law: Law) -> Array:
+def bins_of(delta: Array, law: Formula) -> Array:
     """Probabilities of the disjoint bins that a ladder (falling delta) cuts: ..., (d2, d1], and (0, smallest]."""
     at = law(delta)
     bins: Array = np.maximum(np.append(at[:-1] - at[1:], at[-1]), 0.0)
     return bins
 
 
-def counts_p(delta: Array, below: NDArray[np.int64], draws: int, law: Law) -> float:
+def counts_p(delta: Array, below: NDArray[np.int64], draws: int, law: Formula) -> float:
     """p-value of a law from how many of `draws` lie below each delta: exact tests of bins, after Bonferroni."""
     counts = np.append(below[:-1] - below[1:], below[-1])
     bins = zip(counts, bins_of(delta, law), strict=True)
@@ -109,7 +120,7 @@ def counts_p(delta: Array, below: NDArray[np.int64], draws: int, law: Law) -> fl
     return float(either_p(*each))
 
 
-def known_laws(constant: float, top: float) -> dict[str, Law]:
+def known_laws(constant: float, top: float) -> dict[str, Formula]:
     """The law and those that codimension one rules out, by name. They are compared at delta up to `top`."""
     return {
         "law": lambda delta: constant * delta,
@@ -117,3 +128,11 @@ def known_laws(constant: float, top: float) -> dict[str, Law]:
         "plateau": lambda delta: constant * delta + PLATEAU,
         "constant_off": lambda delta: constant * (1.0 + OFF) * delta,
     }
+
+
+def agreement_p(ladder: Estimate, below: NDArray[np.int64], draws: int) -> float:
+    """p-value that a ladder and plain counts estimate the same, whatever the law; all rungs, after Bonferroni."""
+    share = np.clip(ladder.value, 1e-300, 1.0)
+    spread = np.sqrt(share * (1.0 - share) / draws + ladder.error**2)
+    away = (abs(below / draws - ladder.value) / spread)[below >= _MANY]
+    return either_p(*(2.0 * scipy.stats.norm.sf(away)).tolist()) if away.size else 1.0

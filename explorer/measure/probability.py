@@ -5,19 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, RunError, flag, number, shown, whole
 from explorer.measure import statistics
 from explorer.measure.distributions import Distribution
-from explorer.measure.importance_sampling import BLOCK, LARGEST_DELTA, NearFallingSet
+from explorer.measure.importance_sampling import BLOCK, FEWEST, LARGEST_DELTA, LEAST, NearFallingSet
+from explorer.measure.laws import Law
 from explorer.measure.sampling import Stream, stream_of
 from explorer.measure.tubes import widest_eta
 from explorer.motion.bounces import MOST, Bounces, bounces
@@ -28,29 +26,12 @@ from explorer.phase.energy import eta_to_eta_hat
 from explorer.phase.states import States
 
 Event = tuple[str, float] | str | Callable[[Bounces], ArrayLike]
-FEWEST = 100  # hits, or worth of hits, with which an interval is to be trusted
-# Plain draws over weighted ones at each face, and the fewest of these, which also tell whether the law holds.
-_SHARE, _LEAST = 8, 1 << 12
-# Where the law holds: decades of delta, and how far P may be off C delta.
-_DELTAS = tuple(10.0**-decade for decade in range(1, 13))
-_HOLDS = 0.05
-_SMALL = 1e-30  # the delta at which C is found: eta_hat is a number of its own, so no digit is lost
+_SHARE = 8  # plain draws over weighted ones at each face
 
 _NO_LAW = (
     "no law C delta down to delta = 1e-12: the falling set is hardly met, or states so near flat from the "
     "beginning decide"
 )
-
-
-class Law(NamedTuple):
-    """The law P = C delta of small delta: C with its standard error, and from which delta on it holds.
-
-    holds_below: P is within 5 % of C delta there and below, as far as 1e-12; powers of ten are tried.
-    """
-
-    constant: float
-    error: float
-    holds_below: float
 
 
 @dataclass(frozen=True, repr=False)
@@ -196,22 +177,22 @@ def probability(
         return _plainly(counted, None, "", asked)
     if near.why_not:
         return _plainly(counted, None, f"{near.why_not}: the share of plain draws is counted", asked)
-    draws = max(samples // _SHARE, _LEAST)
-    law = _law(near, counted, random, draws)
+    draws = max(samples // _SHARE, LEAST)
+    law = near.law(random, draws, counted.share)
     note = "" if law else _NO_LAW
     if counted.hits >= FEWEST or delta > LARGEST_DELTA:
         return _plainly(counted, law, note, asked)
-    rare = near.below(delta, random, draws)
+    rare = near.below(delta, random, draws, counted.share)
     if rare.effective < FEWEST or not math.isfinite(rare.unknown):
         why = (
             f"weighted draws are worth {rare.effective:.0f} hits, and {FEWEST} are needed: plain draws are counted"
         )
         return _plainly(counted, law, why, asked)
-    value, error = rare.estimate.value / counted.share, rare.estimate.error / counted.share
-    error = math.hypot(error, value * math.sqrt((1.0 - counted.share) / counted.states))
-    reach = error * float(scipy.stats.t.ppf(0.975, rare.estimate.dof))
-    interval = float(max(value - reach, 0.0)), float(value + reach + rare.unknown / counted.share)
-    return Probability(float(value), interval, rare.effective, law, "importance", note, asked)
+    value, share = float(rare.estimate.value), counted.share
+    error = math.hypot(rare.estimate.error, value * math.sqrt((1.0 - share) / counted.states))
+    low, high = replace(rare.estimate, error=error).interval()
+    interval = float(max(low, 0.0)), float(high + rare.unknown)
+    return Probability(value, interval, rare.effective, law, "importance", note, asked)
 
 
 def read_delta(name: str, event: Any) -> float:
@@ -298,30 +279,3 @@ def _plainly(counted: _Counted, law: Law | None, note: str, asked: str) -> Proba
         high = statistics.upper_bound(most, states)
         notes.append("more samples may see one, or lower the bound")
     return Probability(hits / states, (low, high), float(hits), law, "plain", "; ".join(notes), asked)
-
-
-def _law(near: NearFallingSet, counted: _Counted, random: Stream, draws: int) -> Law | None:
-    """C, and from which delta on it holds; None where P is no multiple of a small delta, or F is hardly met."""
-    C = near.below(_SMALL, random, draws)
-
-    @cache
-    def off(delta: float) -> tuple[float, float]:
-        """By how much P differs from C delta, relative, and the standard error of that."""
-        part = near.below(delta, random, max(draws // 4, _LEAST))
-        if min(C.effective, part.effective) < FEWEST:
-            return math.inf, math.inf
-        unit = C.estimate.value * (delta / _SMALL)
-        return abs(part.estimate.value / unit - 1.0), math.hypot(
-            part.estimate.error / unit, C.estimate.error / C.estimate.value
-        )
-
-    def holds(delta: float) -> bool:
-        return sum(off(delta)) <= _HOLDS
-
-    away, error = off(_DELTAS[-1])
-    if not away <= _HOLDS + 3.0 * error < math.inf:
-        return None
-    # One delta may agree by chance, where P crosses the law.
-    below = next((high for high, low in pairwise(_DELTAS) if holds(high) and holds(low)), _DELTAS[-1])
-    scale = _SMALL * counted.share
-    return Law(float(C.estimate.value / scale), float(C.estimate.error / scale), below)

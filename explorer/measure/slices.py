@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -10,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, flag, shown, whole
-from explorer.measure.sampling import Range, Ranges, in_radians, read_ranges
+from explorer.measure.distributions import Coordinate, read_coordinates, read_given
+from explorer.measure.sampling import Range
 from explorer.motion.plan import plan
 from explorer.motion.scan import Observable, Scan, scan
 from explorer.motion.turning_points import smallest_tilt
-from explorer.phase.coordinates import ANGULAR, angle_unit
+from explorer.phase.coordinates import ANGULAR, angle_unit, recognise
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import Falls, falls
 from explorer.phase.states import Array, States
@@ -26,8 +28,11 @@ _MOST_POINTS = 4000  # a side; 16 million states, of which every array takes 128
 SLICE_ACCURACY = 1e-3  # relative, of theta_min: a picture shows no more
 
 
-class Slice(Ranges):
+@dataclass(frozen=True)
+class Slice:
     """A plane in the phase space: two coordinates or constants of motion with a range, the others fixed."""
+
+    coordinates: dict[str, Coordinate] = dataclasses.field(hash=False)
 
     @classmethod
     def read(cls, given: Any, degrees: bool = False, option: str = "slice") -> Slice:
@@ -36,10 +41,16 @@ class Slice(Ranges):
         Raises InputError naming the option.
         """
         if isinstance(given, Slice):
-            return given
-        found = cls.of(option, in_radians(read_ranges(option, given), degrees))
-        if len(found.free) != 2:
-            names = ", ".join(found.ranges)
+            if all(each.unit == angle_unit(name, degrees) for name, each in given.coordinates.items()):
+                return given
+            ends = {name: each.ends for name, each in given.coordinates.items()}
+            given = {name: [end / angle_unit(name, degrees) for end in both] for name, both in ends.items()}
+        found = cls(read_coordinates(option, read_given(option, given), degrees))
+        for each in found.coordinates.values():
+            each.check(option)
+        free = [each for each in found.coordinates.values() if each.free]
+        if len(free) != 2 or any(each.law is not None for each in free):
+            names = ", ".join(found.coordinates)
             raise InputError(
                 f"{option} {shown(given)}: give two of {names} as LOW:HIGH, and numbers for the others"
             )
@@ -56,19 +67,23 @@ class Slice(Ranges):
 
     @property
     def axes(self) -> tuple[str, str]:
-        first, second = self.free
+        first, second = (name for name, each in self.coordinates.items() if each.free)
         return first, second
 
     @property
     def fixed(self) -> dict[str, float]:
-        return {name: low for name, (low, high) in self.ranges.items() if low == high}
+        return {name: each.ends[0] for name, each in self.coordinates.items() if not each.free}
 
     def grid(self, points: int) -> tuple[Array, Array, dict[str, Array]]:
         """Axis values (points) of both axes, and the coordinates of the grid, second axis first."""
-        x, y = (np.linspace(*self.ranges[name], points) for name in self.axes)
+        x, y = (np.linspace(*self.coordinates[name].ends, points) for name in self.axes)
         X, Y = np.meshgrid(x, y)
         fixed = {name: np.full(X.size, value) for name, value in self.fixed.items()}
         return x, y, {self.axes[0]: X.ravel(), self.axes[1]: Y.ravel(), **fixed}
+
+    def describe(self) -> dict[str, Any]:
+        """The entry of run.json, in what the user gave."""
+        return {name: each.describe() for name, each in self.coordinates.items()}
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -125,7 +140,7 @@ class SliceMap(Scan):
 
     def to_arrow(self) -> pa.Table:
         """The table of `to_pandas`, in Arrow; the metadata of each field states its meaning, unit and equation."""
-        table, turned = super().to_arrow(), ({*self.slice.ranges} & {*ANGULAR}) - {*self.values}
+        table, turned = super().to_arrow(), ({*self.slice.coordinates} & {*ANGULAR}) - {*self.values}
         for place, field in enumerate(table.schema if self.degrees else ()):
             if field.name in turned:
                 unit = {b"unit": field.metadata[b"unit"].replace(b"rad", b"degrees")}
@@ -197,7 +212,7 @@ def slice_map(
     where = Slice.read(slice, degrees)
     how = plan(("theta_min",), SLICE_ACCURACY, method)
     x, y, columns = where.grid(points)
-    states = replace(where.states(disk, columns), shape=(points, points))
+    states = replace(recognise(columns).make(disk, **columns), shape=(points, points))
 
     def theta_min(some: States) -> Array:
         """A root of V = E at a picture's accuracy: ten times as fast as a whole period."""

@@ -6,10 +6,9 @@ import numpy as np
 
 from explorer import compiled
 from explorer.measure import laws
-from explorer.measure.density import Density
+from explorer.measure.distributions import Distribution
 from explorer.measure.falling_constant import falling_constant
-from explorer.measure.falling_probability import FallingProbability
-from explorer.measure.sampling import Box
+from explorer.measure.importance_sampling import NearFallingSet
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt
 from explorer.paper.checks import BODIES, HOOP, THICK, UNIFORM, at_most, near, observed
@@ -97,21 +96,14 @@ def codimension_one() -> Iterator[Finding]:
     deltas, draws = np.array([1e-3, 1e-5, 1e-7]), 6000
     random = np.random.Generator(np.random.Philox(35))
     for disk in (UNIFORM, HOOP, THICK):
-        density = Density.of(disk)
-        C, near_f = falling_constant(disk), FallingProbability(disk, density, deltas, 1e-6, draws, 0)
-        value, error = np.zeros(3), np.zeros(3)
-        for i, delta in enumerate(deltas):
-            for face in (1, -1):
-                drawn = near_f.draw(face, float(delta), random, draws)
-                hit = np.where(drawn.theta_min < delta, drawn.weight, 0.0)
-                value[i] += hit.mean()
-                error[i] = np.hypot(error[i], hit.std() / np.sqrt(draws))
-        ladder = laws.Estimate(value, error, 2.0 * draws)
+        near_f = NearFallingSet(Distribution.box(disk), 2, 1e-6)
+        found = [vars(near_f.below(delta, random, draws).estimate).values() for delta in deltas.tolist()]
+        C, ladder = falling_constant(disk), laws.Estimate(*np.array([*map(list, found)]).T)
         slope, constant = laws.fit_slope(deltas, ladder), laws.fit_constant(deltas, ladder)
         why = f"four standard errors of {draws} draws per δ and face"
         yield near(f"{disk.name}: slope of ln P in ln δ, δ = 1e-3 to 1e-7", slope.value, 1.0, 4 * slope.error, why)
         yield near(f"{disk.name}: C by draws near F", constant.value, C.value, 4 * constant.error, why)
-        lot = Box.default(disk).draw(random, 100_000)
+        lot = Distribution.box(disk).draw(random, 100_000)
         hits = int((falls(phi_to_states(disk, **lot)).status == compiled.status.Status.FALLS).sum())
         yield near(f"{disk.name}: exact falls in 10⁵ plain draws (so P < 3e-5)", hits, 0, 0.0, "a count")
     yield near("uniform: C", falling_constant(UNIFORM).value, 1.46927, 6e-6, "digits of the earlier quadrature")

@@ -5,11 +5,10 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
 
-from explorer.measure.laws import OFF, PLATEAU, SHAPE_BINS, known_laws
+from explorer.measure.laws import OFF, PLATEAU, known_laws
 from explorer.pictures.register import Question, picture
-from explorer.pictures.style import DARK, SERIES, SIZE, TEXT, dress, legend_below, legend_of_all, mark_beyond
+from explorer.pictures.style import DARK, SERIES, SIZE, TEXT, dress, legend_of_all, mark_beyond
 
 _TUBES, _PLAIN = SERIES[1], SERIES[2]
 _POINTS: dict[str, Any] = {"ms": 5, "mfc": "none", "mew": 1.3, "capsize": 2, "lw": 1.2}
@@ -100,51 +99,3 @@ def _points(ax: Axes, rows: list[Any], **look: Any) -> None:
         x, y, ends = (np.array(column) for column in zip(*rows, strict=True))
         spread = np.maximum(np.stack([y - ends[:, 0], ends[:, 1] - y]), 0.0)
         ax.errorbar(x, y, spread, **_POINTS, **look)
-
-
-@picture(
-    Question.HOW_RARELY,
-    "How far the constant C of the law P = Cδ, estimated from the first N draws, is from the C that quadrature "
-    "gives. The relative difference goes to zero as fast as the statistical error of N draws, which the grey "
-    "wedge shows. Each point includes the draws of all points before it, so neighbouring points err together.",
-)
-def constant_convergence(ax: Axes, summary: dict[str, Any]) -> None:
-    """Draw how the estimate of C converges with the number of draws, beside the prediction."""
-    rows, predicted = summary["convergence"], summary["constant_predicted"]
-    draws = np.array([row["draws"] for row in rows])
-    off = np.array([row["value"] for row in rows]) / predicted - 1.0
-    low, high = np.array([row["interval_95"] for row in rows]).T / predicted - 1.0
-    ax.axhline(0.0, color=DARK, lw=1.2, label=f"quadrature over F: $C={predicted:.6f}$")
-    _bars(ax, draws, off, np.stack([off - low, high - off]), "independent draws, 95 %")
-    guide = (high - off)[-1] * np.sqrt(draws[-1] / draws)
-    ax.fill_between(draws, -guide, guide, color=DARK, alpha=0.08, lw=0, label=r"$\propto N^{-1/2}$")
-    ax.set_xscale("log")
-    some = draws[:: max(1, len(draws) // 6)]
-    ax.set_xticks(some, [f"{n:.2g}" for n in some / 1e6])
-    ax.xaxis.set_minor_locator(NullLocator())
-    legend_below(ax)
-    title = "The constant $C$ settles on its prediction"
-    dress(ax, "draws near $F$, from the first on (millions)", "$C$ from draws / predicted − 1", title, grid=True)
-
-
-@picture(
-    Question.HOW_RARELY,
-    "The density of the smallest tilt among the draws that come flatter than δ, beside the uniform density that "
-    "the law Cδ predicts. The axis shows only a percent or so on either side of 1: the differences that can "
-    "still be seen are the noise of counting.",
-)
-def tilt_density(ax: Axes, summary: dict[str, Any]) -> None:
-    """Draw the density of theta_min / delta of draws that come flatter than delta; by the law it is constant."""
-    tilt = summary["splits"]["tilt"]
-    middle = (np.arange(SHAPE_BINS) + 0.5) / SHAPE_BINS
-    share, error = np.array(tilt["share"]) * SHAPE_BINS, np.array(tilt["error"]) * SHAPE_BINS
-    ax.axhline(1.0, color=DARK, lw=1.2, label="the law: even")
-    _bars(ax, middle, share, 1.96 * error, "draws, 95 %")
-    legend_below(ax)
-    p = tilt.get("p_value")
-    title = f"Tilts below δ are spread evenly{'' if p is None else f' ($p$ = {p:.2g})'}"
-    dress(ax, r"$\theta_{\min}/\delta$", "density over that of the law", title, grid=True)
-
-
-def _bars(ax: Axes, x: Any, y: Any, spread: Any, name: str) -> None:
-    ax.errorbar(x, y, spread, fmt="o", color=_TUBES, ms=5, lw=1.4, capsize=3, label=name)

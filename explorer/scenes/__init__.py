@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from explorer.lazy import make_lazy
 
 if TYPE_CHECKING:
-    from explorer.measure.sampling import Box as Box
+    from explorer.measure.distributions import Distribution as Distribution
     from explorer.measure.tallies import ByName as ByName
     from explorer.measure.tallies import Histogram as Histogram
     from explorer.measure.tallies import LogHistogram as LogHistogram

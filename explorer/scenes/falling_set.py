@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.measure import statistics
-from explorer.measure.sampling import read_ranges
 from explorer.measure.slices import ConstantsPlane, Slice, slice_map
 from explorer.measure.tallies import ByName, Least, LogHistogram, count_status
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
@@ -61,12 +60,12 @@ class FallingSet(FromStates):
         follows=lambda self, given: given or ("near" if self.samples > MANY else "all"),
     )
     slice: tuple[Slice, ...] = option(
-        Reader(read_ranges, "SLICE", "str | Slice"),
+        Reader(lambda name, value: value, "SLICE", "str | Slice"),
         "a plane of the phase space to show in a picture; two coordinates are fixed and two are ranges, as in "
         '"phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"',
         words="two slices",
-        follows=lambda self, given: (
-            tuple(Slice.read(each, self.degrees) for each in given or ()) or Slice.defaults(self.disk)
+        follows=lambda self, given: tuple(
+            Slice.read(each, self.degrees) for each in given or Slice.defaults(self.disk)
         ),
         key="slices",
         several=True,

@@ -14,21 +14,26 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, said
-from explorer.measure import invariance
-from explorer.measure.density import Density
-from explorer.measure.falling_probability import FEWEST_HITS, FallingProbability
+from explorer.measure import laws, statistics
+from explorer.measure.distributions import Distribution
+from explorer.measure.falling_constant import FallingConstant, constant_of
+from explorer.measure.importance_sampling import FEWEST, KERNELS, NearFallingSet, Rare
+from explorer.measure.laws import Estimate, Law
 from explorer.measure.sampling import Range, Stream, numbered_stream
 from explorer.measure.tallies import Histogram, count_status
 from explorer.measure.tubes import widest_eta
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase.arguments import read_range
 from explorer.phase.energy import eta_to_eta_hat
-from explorer.phase.states import COORDINATES, Array, phi_to_states
+from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.scenes.options import Reader, option, whole_from
 from explorer.scenes.scene import SAMPLES, Counts, Picture, Table, joined
 from explorer.scenes.starts import FromDensity
 
-_BATCH = 1 << 14  # draws per batch of a tube; the last may have fewer
+_BATCH = 1 << 14  # draws near F of a chunk; the last of a rung and face may have fewer
+_OF_LAW = 1 << 40  # the stream that tells where the law holds
+# Rungs so far below where it is within 5 % are fitted and tested: the next term of the law is of order delta.
+_WELL_BELOW = 0.01
 
 
 def read_ladder(name: str, value: Any) -> Range:
@@ -40,11 +45,14 @@ def read_ladder(name: str, value: Any) -> Range:
 
 
 class ZeroCounts(Counts):
-    """below and batches: as FallingProbability.summary takes them."""
+    """Falls of plain draws, and how many lie between neighbouring rungs, from the smallest on; last, below none.
+
+    near: of each stratum of a chunk its rung, face and number, and the sums of `Weighted.sums`.
+    """
 
     falls: int
     below: Histogram
-    batches: list[Any]
+    near: list[Any]
 
 
 class MeasureZero(FromDensity):
@@ -81,7 +89,7 @@ class MeasureZero(FromDensity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not {"sigma3", "sigma4"} & set(self.box.free):
+        if not any(self.source.coordinates[name].free for name in ("sigma3", "sigma4")):
             raise InputError(
                 "box: sigma3 and sigma4 are both fixed, so the falling set is met at isolated tilts or not at "
                 "all; give one of them a range"
@@ -91,16 +99,10 @@ class MeasureZero(FromDensity):
                 "box: reaches flat (phi = +-pi/2), where the density does not vanish, and the energy has no "
                 "bound, so P is of order delta ln(1/delta) and no C exists; give energy LOW:HIGH, or keep phi away"
             )
-        if np.count_nonzero(self.probability.tested) < 2:
-            low, high = self.ladder
-            raise InputError(
-                f"ladder {low:g}:{high:g}: needs two values of delta at or below "
-                f"{self.probability.law_limit:.1e}, where the law holds for this box and disk; give a smaller LOW"
-            )
 
     @cached_property
-    def source(self) -> Density:
-        return Density.of(self.disk, self.box, self.energy, self.gaussian, self.density)
+    def source(self) -> Distribution:
+        return Distribution.invariant(self.disk, self.box, self.energy, self.density)
 
     @cached_property
     def deltas(self) -> Array:
@@ -110,9 +112,29 @@ class MeasureZero(FromDensity):
         return np.array([float(f"{high * 10.0**-k:.12g}") for k in range(count)])
 
     @cached_property
-    def probability(self) -> FallingProbability:
-        """What is asked, and what becomes of the counts."""
-        return FallingProbability(self.disk, self.source, self.deltas, self.accuracy, self.samples, self.seed)
+    def near_f(self) -> NearFallingSet:
+        """Whose draws estimate P; two approaches to flat have the smallest tilt."""
+        return NearFallingSet(self.source, 2, self.accuracy)
+
+    @cached_property
+    def constant(self) -> FallingConstant:
+        """C by an integral over F. Raises InputError where the density is zero in all of the box."""
+        return constant_of(self.source)
+
+    @cached_property
+    def share(self) -> float:
+        """Of draws from the laws of the coordinates those that the density has."""
+        return 1.0 if self.source.plain else self.constant.mass / self.source.volume
+
+    @cached_property
+    def law(self) -> Law | None:
+        """The law as draws of its own tell it, the same for any seed."""
+        return self.near_f.law(numbered_stream(0, _OF_LAW), _BATCH, self.share)
+
+    @property
+    def tested(self) -> NDArray[np.bool_]:
+        """The rungs at which the law is fitted and tested."""
+        return self.deltas <= (self.law.holds_below * _WELL_BELOW if self.law else 0.0)
 
     # Chunks: batches of each tube, by rung and face; and then plain draws, so that a longer run keeps all chunks
     # of a shorter one.
@@ -141,9 +163,6 @@ class MeasureZero(FromDensity):
         count = self.length(index)  # of a batch, which has a stream of its own
         return iter([(numbered_stream(self.seed, index), count, range(count))])
 
-    def draw(self, random: Stream, count: int) -> Table:
-        return self.source.draw(self.disk, random, count)
-
     def chunk(self, index: int) -> tuple[Table, ZeroCounts]:
         table, tally = self._plain(index) if index >= self._in_tubes else self._batch(index)
         tally.status += count_status(table["status"])
@@ -155,73 +174,150 @@ class MeasureZero(FromDensity):
         return near
 
     def _batch(self, index: int) -> tuple[Table, ZeroCounts]:
-        """Draws in a tube. sigma3 and sigma4 are NaN: doubles do not hold such a small eta_hat as a difference."""
-        tube, ((random, count, _),), tally = index // self._batches, self.streams(index), ZeroCounts()
-        rung, face = tube // 2, 1 if tube % 2 == 0 else -1
-        draws = self.probability.draw(face, float(self.deltas[rung]), random, count)
-        tally.batches += [self.probability.batch(rung, face, draws)]
-        table = {
-            **vars(draws),
-            **dict.fromkeys(("sigma3", "sigma4"), np.full(count, np.nan)),
-            "face": np.full(count, face, np.int8),
-            "delta": np.full(count, self.deltas[rung]),
-        }
-        return {name: table[name] for name in self.columns}, tally
+        """Draws near F. sigma3 and sigma4 are NaN: doubles do not hold such a small eta_hat as a difference."""
+        place, ((random, count, _),), tally = index // self._batches, self.streams(index), ZeroCounts()
+        rung, face = place // 2, 1 if place % 2 == 0 else -1
+        parts, tables = self.near_f.draw(face, float(self.deltas[rung]), random, count), list[Table]()
+        for number, part in enumerate(parts):
+            tally.near += [[rung, face, number, *part.sums(float(self.deltas[rung]))]]
+            none = np.full(part.status.size, np.nan)
+            drawn = {"phi": part.states.phi, "phidot": part.states.phidot, "sigma3": none, "sigma4": none}
+            on_plus, weight = np.full(none.size, face > 0), part.weight / self.share
+            tables.append(self._table(part.states, drawn, on_plus, self.deltas[rung], weight, *part[2:]))
+        return joined(tables), tally
 
     def _plain(self, index: int) -> tuple[Table, ZeroCounts]:
         """Draws from the density."""
         table, tally = joined([*map(self.observe, self.blocks(index))]), ZeroCounts()
         tally.status["not followed"] += self.length(index) - table["status"].size
         tally.falls += int((table["status"] == compiled.status.Status.FALLS).sum())
-        tally.below = Histogram(self.probability.below(table["theta_min"]))
+        place = np.searchsorted(self.deltas[::-1], table["theta_min"], "right")
+        tally.below = Histogram(np.bincount(place, minlength=self.deltas.size + 1))
         return table, tally
 
     def observe(self, drawn: Table) -> Table:
         """Those draws that could come flatter than the first rung; theta_min is 0 for those that fall."""
-        disk = self.disk
-        states = phi_to_states(disk, **drawn)
+        states = phi_to_states(self.disk, **drawn)
         motion = states.motion
-        distance = abs(eta_to_eta_hat(disk.body, motion.eta(motion.nearer_plus)))
-        rows = np.flatnonzero(distance <= widest_eta(motion.energy, self.deltas[0], disk))
-        states = states.at(rows)
-        known = states.motion
-        plus = known.nearer_plus
+        distance = abs(eta_to_eta_hat(self.disk.body, motion.eta(motion.nearer_plus)))
+        rows = np.flatnonzero(distance <= widest_eta(motion.energy, self.deltas[0], self.disk))
+        states, drawn = states.at(rows), {name: values[rows] for name, values in drawn.items()}
         theta, status, _ = smallest_tilt(states, self.plan)
+        theta = np.where(status == compiled.status.Status.FALLS, 0.0, theta)
+        on_plus = np.asarray(states.motion.nearer_plus)
+        return self._table(states, drawn, on_plus, np.nan, np.ones(rows.size), theta, status)
+
+    def _table(
+        self,
+        states: States,
+        drawn: Table,
+        on_plus: NDArray[np.bool_],
+        delta: float,
+        weight: Array,
+        theta_min: Array,
+        status: NDArray[np.int8],
+    ) -> Table:
+        """All columns of draws, near F or plain."""
+        motion, disk = states.motion, self.disk
         return {
-            **{name: values[rows] for name, values in drawn.items()},
-            "sigma3_bar": known.sigma3_bar * disk.rate_unit,
-            "eta_hat": eta_to_eta_hat(disk.body, known.eta(plus)) * disk.rate_unit,
-            "energy": known.energy * disk.energy_unit,
-            "face": np.where(plus, 1, -1).astype(np.int8),
-            "delta": np.full(plus.size, np.nan),
-            "weight": np.ones(plus.size),
-            "theta_min": np.where(status == compiled.status.Status.FALLS, 0.0, theta),
+            **drawn,
+            "sigma3_bar": motion.sigma3_bar * disk.rate_unit,
+            "eta_hat": eta_to_eta_hat(disk.body, motion.eta(on_plus)) * disk.rate_unit,
+            "energy": motion.energy * disk.energy_unit,
+            "face": np.where(on_plus, 1, -1).astype(np.int8),
+            "delta": np.full(weight.size, delta),
+            "weight": weight,
+            "theta_min": theta_min,
             "status": status.astype(np.int8),
         }
 
     @property
     def kernels(self) -> tuple[str, ...]:
-        of_f = "falling.critical_X2_batch", "falling.barrier_batch", "falling.line_chart_batch"
-        return "algebra.constants_batch", *of_f, *tilt_kernels(self.plan), *invariance.kernels()
+        of_f = "falling.critical_X2_batch", "falling.barrier_batch"
+        return *of_f, *KERNELS, *tilt_kernels(self.plan)
 
     def summarise(self, tally: ZeroCounts) -> dict[str, Any]:
-        found = self.probability.summary(tally.below.counts, tally.falls, tally.batches)
-        return {**found, "status": dict(tally.status)}
+        hits, constant = np.cumsum(tally.below.counts[:-1])[::-1], self.constant
+        rungs = self._rungs(tally)
+        ladder = Estimate(*np.array([[*vars(rung.estimate).values()] for rung in rungs]).T)
+        summary = {
+            **super().summarise(tally),
+            "samples": self.samples,
+            "falls": tally.falls,
+            "upper_bound_95": statistics.upper_bound(tally.falls, self.samples),
+            "constant_predicted": constant.value,
+            "constant_predicted_error": constant.error,
+            "ladder": self._ladder(rungs, ladder, hits),
+            "slope": None,
+            "constant": None,
+        }
+        enough = all(rung.effective >= FEWEST for rung in rungs)
+        if not (self.law and constant.value > 0.0 and enough and np.count_nonzero(self.tested) > 1):
+            return summary
+        delta, tested, counts = self.deltas[self.tested], ladder[self.tested], hits[self.tested]
+        known = laws.known_laws(constant.value, float(delta[0]))
+        error = constant.error / constant.value
+        tubes = {name: laws.ladder_p(delta, tested, law, error) for name, law in known.items()}
+        plain = {name: laws.counts_p(delta, counts, self.samples, law) for name, law in known.items()}
+        return summary | {
+            "slope": laws.fit_slope(delta, tested).described(),
+            "constant": laws.fit_constant(delta, tested).described(),
+            "law_limit": self.law.holds_below * _WELL_BELOW,
+            # Tubes hold what is near F. Falls anywhere else are for plain draws to find.
+            "p_value": tubes | {"plateau": plain["plateau"]},
+            "p_value_tubes": tubes,
+            "p_value_counts": plain,
+            "p_value_counts_against_tubes": laws.agreement_p(ladder, hits, self.samples),
+        }
+
+    def _rungs(self, tally: ZeroCounts) -> list[Rare]:
+        """What the draws near F say, rung by rung."""
+        sums = [dict[tuple[int, int], Array]() for _ in self.deltas]
+        for rung, face, number, *counted in tally.near:
+            sums[rung][face, number] = sums[rung].get((face, number), 0.0) + np.array(counted)
+        return [Rare.of(np.array([*strata.values()]), self.share) for strata in sums]
+
+    def _ladder(self, rungs: list[Rare], ladder: Estimate, hits: NDArray[np.int64]) -> list[dict[str, Any]]:
+        """Counts of plain draws with exact intervals, and estimates from draws near F."""
+        # A draw whose tilt is not known may be a hit or not.
+        wider = np.array([[0.0, rung.unknown] for rung in rungs])
+        alone, together = (
+            np.maximum(ladder.interval(sure), 0.0) + wider
+            for sure in (laws.CONFIDENCE, laws.simultaneous(self.deltas.size))
+        )
+        return [
+            {
+                "delta": float(delta),
+                "count": int(hits[i]),
+                "plain": statistics.share(int(hits[i]), self.samples),
+                "estimate": float(ladder.value[i]),
+                "error": float(ladder.error[i]),
+                "interval_95": alone[i].tolist(),
+                "interval_95_simultaneous": together[i].tolist(),
+                "effective_sample_size": rungs[i].effective,
+                "unresolved": rungs[i].unknown,
+                "predicted": float(self.constant.value * delta),
+            }
+            for i, delta in enumerate(self.deltas)
+        ]
 
     def figures(self, summary: dict[str, Any], tally: ZeroCounts) -> Iterator[tuple[str, Picture]]:
         from explorer.pictures import measure_zero
 
         yield "ladder", partial(measure_zero.probability, summary)
-        if summary["constant"]:
-            yield "convergence", partial(measure_zero.constant_convergence, summary)
-            yield "tilt", partial(measure_zero.tilt_density, summary)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         lines = super().headline(summary)
         if summary["constant_predicted"] == 0.0:
             return [*lines, "The box misses the falling set: C = 0, and there is no law to test."]
-        if not summary["constant"]:
-            fewest = min(row["effective_sample_size"] for row in summary["ladder"])
-            size = f"at one delta the effective sample size is {fewest:.0f}, below {FEWEST_HITS}"
+        if summary["constant"]:
+            return lines
+        fewest = min(row["effective_sample_size"] for row in summary["ladder"])
+        if fewest < FEWEST:
+            size = f"at one delta the effective sample size is {fewest:.0f}, below {FEWEST}"
             return [*lines, f"C was not estimated: {size}. Raise tube, or narrow box to where the density is."]
-        return lines
+        where = f"at or below {self.law.holds_below * _WELL_BELOW:.0e}" if self.law else "below 1e-12"
+        return [
+            *lines,
+            f"C was not estimated: the law holds {where}. Give ladder two deltas there by a smaller LOW.",
+        ]

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from explorer.errors import InputError
+from explorer.measure.distributions import Distribution
 from explorer.measure.races import SIDES
 from explorer.measure.sampling import Range, numbered_stream
 from explorer.measure.tallies import ByName, count_status
@@ -23,9 +24,9 @@ from explorer.motion.trajectories import trajectories_by
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
-from explorer.scenes.options import DISK, NUMBER, RANGE, RANGES, option, plain
+from explorer.scenes.options import BOX, DISK, NUMBER, RANGE, option, plain
 from explorer.scenes.scene import SAMPLES, Counts, Picture, Scene, Table, joined
-from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, BoxNearF, check_eta_hat
+from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, box_near_f, check_eta_hat, starts_near_f
 
 BLOCK = 8  # starts per chunk
 # A distance from the limit is some eta ln(1/eta), and a motion errs by up to fifty times its accuracy where its
@@ -57,10 +58,8 @@ class OneSided(Scene):
         several=True,
     )
     samples: int = option(SAMPLES[0], "points of the falling set per disk", default=32)
-    box: BoxNearF | None = option(
-        RANGES,
-        BOX_NEAR_F,
-        follows=lambda self, given: None if given is None else BoxNearF.near(self.disk[0], given),
+    box: Distribution | None = option(
+        BOX, BOX_NEAR_F, follows=lambda self, given: given and box_near_f(self.disk[0], given)
     )
     eta_hat: Range | None = option(RANGE, ETA_HAT, words="1e-6:1e-1 natural units, one distance for each decade")
     accuracy: float = option(
@@ -118,7 +117,8 @@ class OneSided(Scene):
     def starts(self, index: int) -> list[dict[str, float]]:
         """Points of F of chunk `index`, each by its phidot, sigma3_bar and face at the vertical."""
         disk, _, count = self.parts[index]
-        drawn = (self.box or BoxNearF.near(disk, {})).starts(numbered_stream(self.seed, index), count)
+        box = self.box or box_near_f(disk, None)
+        drawn = starts_near_f(box, numbered_stream(self.seed, index), count)
         return [{name: float(values[i]) for name, values in drawn.items()} for i in range(count)]
 
     @property

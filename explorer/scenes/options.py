@@ -19,8 +19,7 @@ import numpy as np
 
 from explorer.compiled import usable_cores
 from explorer.errors import MOST_JOBS, InputError, flag, number, one_of, shown, suggest, whole
-from explorer.measure.density import Function
-from explorer.measure.sampling import read_gaussians, read_ranges
+from explorer.measure.distributions import Distribution, Weight, read_given
 from explorer.paths import path_of
 from explorer.phase.arguments import read_range
 from explorer.phase.disk import Disk
@@ -231,14 +230,19 @@ def read_disk(name: str, value: Any) -> Disk:
     return Disk.parse(value)
 
 
-def read_density(name: str, value: Any) -> Function:
+def read_box(name: str, value: Any) -> Any:
+    """Read what is given of each coordinate; a box that was read already stays. Raises InputError."""
+    return value if isinstance(value, Distribution) else read_given(name, value)
+
+
+def read_density(name: str, value: Any) -> Weight:
     """Read a density. A stored run says only which function it had. Raises InputError."""
     if not callable(value):
         remedy = (
             "was given in Python; go on with run(..., density=...) there" if isinstance(value, Mapping) else ""
         )
         raise InputError(f"{name} {shown(value)} {remedy or 'cannot be called; give a function of arrays'}")
-    density: Function = value
+    density: Weight = value
     return density
 
 
@@ -248,7 +252,6 @@ TRUTH = Reader(flag, "", "bool")
 NUMBER = Reader(number, "X", "float | str")
 RANGE = Reader(read_range, "LOW:HIGH", "str | float | tuple[float, float]")
 OPEN_RANGE = Reader(partial(read_range, unbounded=True), "LOW:HIGH", "str | tuple[float | None, float | None]")
-RANGES = Reader(read_ranges, "NAME=LOW:HIGH,..", "str | Box | Mapping[str, tuple[float, float]]")
+BOX = Reader(read_box, "NAME=VALUE,..", "str | Mapping[str, Any]")
 DISK = Reader(read_disk, "DISK", "Disk | str")
-GAUSSIANS = Reader(read_gaussians, "NAME=MEAN:DEVIATION,..", "str | Mapping[str, tuple[float, float]]")
 DENSITY = Reader(read_density, None, "Callable[..., Array]")

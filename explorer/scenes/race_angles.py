@@ -4,17 +4,19 @@ The race angle of a passage is the increase of chi from vertical to vertical les
 along the limit motion on F with the same sigma3_bar and energy (its fall angle). Its limit is
 sgn(eta) kappa pi, whatever the initial state (Prop. 2).
 
-It is one question of two kinds of samples, which the option `start` chooses: `NearF` and `Anywhere`.
+It is one question of two kinds of samples, which the option `start` chooses: upright starts near F, or states
+anywhere in the phase space, drawn or given, with a row for each of their next approaches to flat.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import partial
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 
 from explorer.errors import InputError, RunError
 from explorer.measure import tallies
+from explorer.measure.distributions import Distribution
 from explorer.measure.races import (
     SIDES,
     by_decade,
@@ -25,16 +27,15 @@ from explorer.measure.races import (
     law_rows,
     ridge_rows,
 )
-from explorer.measure.sampling import Range, Stream, log_uniform, read_ranges, signs
+from explorer.measure.sampling import PER_STREAM, Range, Stream, log_uniform, signs
 from explorer.measure.tallies import ByName, Histogram, LogHistogram
 from explorer.motion.bounces import MOST, bounce_kernels, bounces, motion_constants
 from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.passages import passage_kernels, passages_by
 from explorer.phase.states import Array
-from explorer.scenes.given_states import Block
-from explorer.scenes.options import RANGE, RANGES, option, whole_from, word_of
+from explorer.scenes.options import BOX, RANGE, option, whole_from, word_of
 from explorer.scenes.scene import Counts, Picture, SampledScene, Table
-from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, BoxNearF, FromStates, check_eta_hat
+from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, FromStates, box_near_f, check_eta_hat, starts_near_f
 
 # What is stored of a passage and of a bounce, as fields of `Passages` and `Bounces`.
 _OF_PASSAGE = (
@@ -45,12 +46,13 @@ _OF_BOUNCE = (
     *("bounce", "face", "side", "time", "race_angle", "delta_chi", "fall_angle"),
     *("theta_min", "duration", "error_estimate"),
 )
-_SAYS = (
-    "race angle (rad) of the {races_plus:,} with eta > 0: mean {mean_plus:+.4f}, median {median_plus:+.6f}",
-    "race angle (rad) of the {races_minus:,} with eta < 0: mean {mean_minus:+.4f}, median {median_minus:+.6f}",
-    "wrong way: {wrong_way}",
+_ELSEWHERE = ("states", "energy", "density")  # which say where states may be, anywhere
+# What can be done where no sample has a race angle: of states anywhere, and near F
+_REMEDY = (
+    "give states with more energy: the others do not come flat",
+    "raise eta_hat or change accuracy; in box give phidot of 0 or more, which leads to flat, and rates below 1e75 "
+    "natural units",
 )
-_ELSEWHERE = ("states", "energy", "gaussian", "density")  # which say where states may be, anywhere
 KERNELS = (*tallies.KERNELS, *LogHistogram.KERNELS)  # of what is counted
 
 
@@ -72,8 +74,8 @@ class RaceCounts(Counts):
 class RaceAngles(FromStates):
     """How far does the contact point race? Angles of passages near the falling set, on both sides."""
 
-    box: Any = option(
-        RANGES,
+    box: Distribution = option(
+        BOX,
         f"with --start near, {BOX_NEAR_F}; with --start anywhere, as in falling-set",
         words="with near, phidot=0.5:2,sigma3=-2:2 in natural units; with anywhere, that of falling-set",
         follows=lambda self, given: self.box_of(given),
@@ -82,9 +84,9 @@ class RaceAngles(FromStates):
         word_of("near", "anywhere"),
         "near: upright, near the falling set. anywhere: random or given states of the whole phase space, each "
         "followed to its next approaches to flat",
-        words="near; but anywhere if you give states, energy, gaussian, density (in Python), or a box with other "
+        words="near; but anywhere if you give states, energy, density (in Python), or a box with other "
         "coordinates than phidot and sigma3",
-        follows=lambda self, given: "near" if isinstance(self, NearF) else "anywhere",
+        follows=lambda self, given: "near" if self.starts_near(self.box) else "anywhere",
     )
     eta_hat: Range | None = option(
         RANGE,
@@ -98,26 +100,85 @@ class RaceAngles(FromStates):
         default=1,
     )
 
-    name = "race-angles"
     tally = RaceCounts
     observables: ClassVar[tuple[str, ...]] = ("race_angle", "theta_min", "duration")
     columns = ("phidot", "sigma3_bar", "eta_hat", "face", *_OF_PASSAGE)
     columns_of_given = ("row", "bounce", "phi", "sigma3", "sigma4", "side", "time")
-    remedy: ClassVar[str]  # what can be done where no sample has a race angle
+    says = (
+        "{passages:,} passages of the {disks[0][name]} disk; the limit +-kappa pi is {limit:.6f} rad",
+        "{approaches:,} bounces of {valid_states:,} states, {without_race:,} of them with too little energy to "
+        "come flat; the limit +-kappa pi is {limit:.6f} rad",
+        "race angle (rad) of the {races_plus:,} with eta > 0: mean {mean_plus:+.4f}, median {median_plus:+.6f}",
+        "race angle (rad) of the {races_minus:,} with eta < 0: mean {mean_minus:+.4f}, median {median_minus:+.6f}",
+        "wrong way: {wrong_way}",
+    )
 
-    @classmethod
-    def of(cls, given: Mapping[str, Any]) -> Self:
-        """The one of its two kinds that is meant."""
-        if cls is not RaceAngles:
-            return super().of(given)
-        start = given.get("start")
-        near = isinstance(start, str) and start == "near"
-        if start is None:
-            elsewhere = any(given.get(name) is not None for name in _ELSEWHERE)
-            near = not elsewhere and {*read_ranges("box", given.get("box"))} <= {"phidot", "sigma3"}
-        kind: Any = NearF if near else Anywhere
-        made: Self = kind.of(given)
-        return made
+    # Samples
+
+    def starts_near(self, box: Any) -> bool:
+        """Whether samples start upright near F: as said, or as nothing says otherwise. box: as far as read."""
+        if self.start:
+            return self.start == "near"
+        names = box.coordinates if isinstance(box, Distribution) else box or ()
+        return {*names} <= {"phidot", "sigma3"} and all(getattr(self, name) is None for name in _ELSEWHERE)
+
+    def box_of(self, given: Any) -> Any:
+        if not self.starts_near(given):
+            return super().box_of(given)
+        usual = {"bounces": 1, "degrees": False}
+        for name in (*_ELSEWHERE, *usual):
+            if getattr(self, name) != usual.get(name):
+                raise InputError(f"{name}: is for start anywhere; leave it out, or give start anywhere")
+        return box_near_f(self.disk, given)
+
+    def eta_hat_of(self, given: Range | None) -> Range | None:
+        """The range of distances from F; None of states anywhere, which have them of themselves."""
+        if self.start == "near":
+            span = given or (1e-6 * self.disk.rate_unit, 1e-2 * self.disk.rate_unit)
+            check_eta_hat(span, self.disk)
+            return span
+        if given is not None:
+            raise InputError(
+                "eta_hat: is for start near; leave it out, or give start near (states, energy, density, and a box "
+                "of more than phidot and sigma3 mean start anywhere)"
+            )
+        return None
+
+    @property
+    def kernels(self) -> tuple[str, ...]:
+        if self.start == "near":
+            return *passage_kernels(self.plan), *KERNELS
+        return *super().kernels, *bounce_kernels(self.plan), *KERNELS
+
+    @property
+    def block(self) -> int:
+        return PER_STREAM if self.start == "near" else super().block
+
+    @property
+    def rows(self) -> int:
+        return self.bounces
+
+    def blocks(self, index: int) -> Iterator[Any]:
+        return SampledScene.blocks(self, index) if self.start == "near" else super().blocks(index)
+
+    def draw(self, random: Stream, count: int) -> Table:
+        """States; near F, phidot, sigma3_bar, eta_hat and face of starts at the vertical."""
+        if self.eta_hat is None:
+            return super().draw(random, count)
+        start = starts_near_f(self.box, random, count)
+        eta_hat = log_uniform(random.random(count), *self.eta_hat)
+        return {**start, "eta_hat": eta_hat * signs(random.random(count))}
+
+    def observe(self, drawn: Any) -> Table:
+        if self.start == "near":
+            passages = passages_by(self.disk, starts_at_vertical(self.disk, *start_of(drawn)), self.plan)[0]
+            face = drawn["face"].astype(np.int8)
+            return {**drawn, "face": face, **{name: getattr(passages, name) for name in _OF_PASSAGE}}
+        found = bounces(drawn.states, self.rows, accuracy=self.accuracy, method=self.plan.method)
+        results = motion_constants(found) | {name: getattr(found, name) for name in (*_OF_BOUNCE, "status")}
+        results = {name: values.ravel() for name, values in results.items()}
+        table: Table = drawn.at(np.repeat(np.arange(len(drawn.states)), self.rows)).with_results(results)
+        return table
 
     # Counts
 
@@ -138,13 +199,17 @@ class RaceAngles(FromStates):
         tally.without_race += int(np.count_nonzero(np.isnan(race) & np.isfinite(table["delta_chi"])))
 
     def summarise(self, tally: RaceCounts) -> dict[str, Any]:
+        near = self.start == "near"
+        states = self.samples if near else self.states_among(tally.status)
         if not tally.decades.total:
             ended = ", ".join(f"{count:,} {name}" for name, count in tally.status.items())
             raise RunError(
-                f"{self.name}: none of {self.samples:,} samples has a race angle ({ended}); {self.remedy}"
+                f"{self.name}: none of {self.samples:,} samples has a race angle ({ended}); {_REMEDY[near]}"
             )
         limit, groups = self.disk.race_limit, tally.decades.groups
         summary = super().summarise(tally) | {"limit": limit, "wrong_way": tally.wrong_way}
+        of_states = {"valid_states": states, "approaches": states * self.rows, "without_race": tally.without_race}
+        summary |= {"passages": states} if near else of_states
         for name, side in SIDES.items():
             of_side = [group for group in groups if group % 2 == (side > 0)]
             deviation = tally.decades.part(of_side)
@@ -184,88 +249,6 @@ class RaceAngles(FromStates):
 
         yield "histogram", partial(race.race_histogram, summary)
         yield "deviation", partial(race.race_deviation, summary)
-
-
-class NearF(RaceAngles):
-    """Passages that start at the vertical near F."""
-
-    says = ("{samples:,} passages of the {disks[0][name]} disk; the limit +-kappa pi is {limit:.6f} rad", *_SAYS)
-    remedy = (
-        "raise eta_hat or change accuracy; in box give phidot of 0 or more, which leads to flat, and rates below "
-        "1e75 natural units"
-    )
-    name = RaceAngles.name
-    blocks, block = SampledScene.blocks, SampledScene.block
-
-    def box_of(self, given: dict[str, Range] | None) -> BoxNearF:
-        usual = {"bounces": 1, "degrees": False}
-        for name in (*_ELSEWHERE, *usual):
-            if getattr(self, name) != usual.get(name):
-                raise InputError(f"{name}: is for start anywhere; leave it out, or give start anywhere")
-        return BoxNearF.near(self.disk, given or {})
-
-    def eta_hat_of(self, given: Range | None) -> Range:
-        """The range of distances from F."""
-        span = given or (1e-6 * self.disk.rate_unit, 1e-2 * self.disk.rate_unit)
-        check_eta_hat(span, self.disk)
-        return span
-
-    @property
-    def kernels(self) -> tuple[str, ...]:
-        return *passage_kernels(self.plan), *KERNELS
-
-    def draw(self, random: Stream, count: int) -> Table:
-        """Starts at the vertical: phidot, sigma3_bar, eta_hat and face."""
-        start = self.box.starts(random, count)
-        face = start.pop("face")
-        assert self.eta_hat is not None
-        eta_hat = log_uniform(random.random(count), *self.eta_hat)
-        eta_hat *= signs(random.random(count))
-        return {**start, "eta_hat": eta_hat, "face": face}
-
-    def observe(self, drawn: Table) -> Table:
-        found = passages_by(self.disk, starts_at_vertical(self.disk, *start_of(drawn)), self.plan)[0]
-        face = drawn["face"].astype(np.int8)
-        return {**drawn, "face": face, **{name: getattr(found, name) for name in _OF_PASSAGE}}
-
-
-class Anywhere(RaceAngles):
-    """States in all of the phase space, drawn or given, and their next approaches to flat: a row for each."""
-
-    says = (
-        "{approaches:,} bounces of {valid_states:,} states, {without_race:,} of them with too little energy to "
-        "come flat; the limit +-kappa pi is {limit:.6f} rad",
-        *_SAYS,
-    )
-    name = RaceAngles.name
-    remedy = "give states with more energy: the others do not come flat"
-
-    def eta_hat_of(self, given: Range | None) -> None:
-        """None: states have distances from F of themselves."""
-        if given is not None:
-            raise InputError(
-                "eta_hat: is for start near; leave it out, or give start near (states, energy, gaussian, density, "
-                "and a box of more than phidot and sigma3 mean start anywhere)"
-            )
-
-    @property
-    def kernels(self) -> tuple[str, ...]:
-        return *super().kernels, *bounce_kernels(self.plan), *KERNELS
-
-    @property
-    def rows(self) -> int:
-        return self.bounces
-
-    def observe(self, block: Block) -> Table:
-        found = bounces(block.states, self.rows, accuracy=self.accuracy, method=self.plan.method)
-        results = motion_constants(found) | {name: getattr(found, name) for name in (*_OF_BOUNCE, "status")}
-        table = {name: values.ravel() for name, values in results.items()}
-        return block.at(np.repeat(np.arange(len(block.states)), self.rows)).with_results(table)
-
-    def summarise(self, tally: RaceCounts) -> dict[str, Any]:
-        states, without = self.states_among(tally.status), tally.without_race
-        of_states = {"valid_states": states, "approaches": states * self.rows, "without_race": without}
-        return super().summarise(tally) | of_states
 
 
 def _mean(tally: RaceCounts, groups: list[int]) -> float:

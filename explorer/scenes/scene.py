@@ -167,7 +167,6 @@ class SampledScene(Scene):
         follows=lambda self, given: given or PER_STREAM << 4 * (self.samples > MANY and self.keep in self.few),
     )
 
-    block: ClassVar[int] = PER_STREAM  # samples drawn and observed at once; another number would give others
     few: ClassVar[tuple[str, ...]] = ("none",)  # of `keep`, what stores only a small share of the rows
 
     # What a scene offers
@@ -186,6 +185,11 @@ class SampledScene(Scene):
     def near(self, table: Table) -> NDArray[np.bool_]:
         """The rows that keep="near" stores."""
         return np.ones(table["status"].size, bool)
+
+    @property
+    def block(self) -> int:
+        """How many samples are drawn and observed at once; another number would give others."""
+        return PER_STREAM
 
     @property
     def rows(self) -> int:

@@ -1,20 +1,21 @@
 """Where samples come from: a density, states of the user's, or the neighbourhood of F at the vertical."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any
 
 import numpy as np
 
 from explorer import compiled
 from explorer.errors import InputError
-from explorer.measure.density import ANY_ENERGY, Density, Function
-from explorer.measure.sampling import Box, Range, Ranges, Stream, box_of, in_radians, numbered_stream, signs
+from explorer.measure.distributions import ANY_ENERGY, Coordinate, Distribution, Weight
+from explorer.measure.sampling import Range, Stream, numbered_stream, signs
 from explorer.measure.tallies import count_status
 from explorer.phase.disk import SYNTAX, Disk, require_axial_inertia
-from explorer.phase.states import Array, States
+from explorer.phase.states import COORDINATES, Array, States
 from explorer.scenes.given_states import Block, GivenStates, coordinates_of
-from explorer.scenes.options import DENSITY, DISK, GAUSSIANS, OPEN_RANGE, RANGES, TRUTH, Reader, option
+from explorer.scenes.options import BOX, DENSITY, DISK, OPEN_RANGE, TRUTH, Reader, option
 from explorer.scenes.scene import SAMPLES, SampledScene, Table
 
 _LOOKED_AT = 1_000_000  # rows of given states, when those are named that are none
@@ -25,11 +26,11 @@ _NEAR_F = (1e-305, 10.0)
 class FromDensity(SampledScene):
     """Where states are drawn."""
 
-    box: Ranges = option(
-        RANGES,
-        "ranges of uniform random states, in the units of the disk, as in "
-        '"phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2"; '
-        "or, except in measure-zero, ranges of tilt, tilt_rate, precession and spin",
+    box: Distribution = option(
+        BOX,
+        "how states are drawn, in the units of the disk: each VALUE is a number, LOW:HIGH for even draws, or a "
+        'distribution of SciPy, as in "phi=0,phidot=norm:0:1,sigma3=-2:2"; '
+        "or, except in measure-zero, of tilt, tilt_rate, precession and spin",
         words="phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2 in natural units",
         follows=lambda self, given: self.box_of(given),
     )
@@ -37,48 +38,36 @@ class FromDensity(SampledScene):
         OPEN_RANGE,
         "only states with an energy in this range, in the units of the disk; LOW or HIGH may be left out",
     )
-    gaussian: dict[str, Range] | None = option(
-        GAUSSIANS,
-        'coordinates drawn from a Gaussian, cut off at the ends of the box: "phidot=MEAN:DEVIATION,..", in the '
-        "units of the disk",
-        follows=lambda self, given: given and in_radians(given, self.degrees),
-    )
-    density: Function | None = option(
+    density: Weight | None = option(
         DENSITY,
         "a density, called as density(phi, phidot, sigma3, sigma4), or with whatever coordinates the box has; its "
         "arguments are arrays, in rad and the units of the disk",
     )
     degrees: bool = option(
-        TRUTH, "angles and rates of box, gaussian, slice and tables of states are in degrees", default=False
+        TRUTH, "angles and rates of box, slice and tables of states are in degrees", default=False
     )
 
     def __post_init__(self) -> None:
         super().__post_init__()
         require_axial_inertia(self.disk)
-        object.__setattr__(self, "degrees", False)  # from here on all are in rad
         if self.box is not None:
             # An energy or a density that the box does not reach is refused before anything is written.
             self.draw(numbered_stream(self.seed, 0), 1)
 
-    def box_of(self, given: dict[str, Range] | None) -> Ranges:
-        """The box that ranges describe; what is left out has its natural range."""
-        return box_of(self.disk, in_radians(given or {}, self.degrees))
+    def box_of(self, given: Any) -> Distribution:
+        """The laws that are given; what is left out has its natural range."""
+        return Distribution.box(self.disk, given, self.degrees)
 
     @cached_property
-    def source(self) -> Density:
+    def source(self) -> Distribution:
         """What states are drawn from."""
-        bells = tuple((self.gaussian or {}).items())
-        return Density(self.box, self.energy or ANY_ENERGY, bells, self.density)
+        return replace(self.box, energy=self.energy or ANY_ENERGY, weight=self.density)
 
     def as_json(self) -> dict[str, Any]:
-        # A function is identified by its values.
-        called = None if self.density is None else self.source.describe().get("density")
-        return {**super().as_json(), "density": called}
+        return {**super().as_json(), "density": self.density and self.source.describe_weight()}
 
     def draw(self, random: Stream, count: int) -> Table:
-        # Where nothing is rejected no draw is wasted: the box is drawn from directly.
-        source = self.source
-        return source.box.draw(random, count) if source.plain else source.draw(self.disk, random, count)
+        return self.source.draw(random, count)
 
 
 class FromStates(FromDensity):
@@ -106,8 +95,6 @@ class FromStates(FromDensity):
         follows=lambda self, given: given and given.of_degrees(self.degrees),
     )
 
-    block: ClassVar[int] = 1 << 14
-
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.states is not None and self.samples > self.states.rows:
@@ -123,17 +110,21 @@ class FromStates(FromDensity):
                 f"states: made for the disk {made.disk.name!r}, not for {self.disk.name!r}; leave disk out"
             )
 
-    def box_of(self, given: dict[str, Range] | None) -> Any:
+    def box_of(self, given: Any) -> Any:
         if self.states is None:
             return super().box_of(given)
-        for name in ("box", "energy", "gaussian", "density"):
+        for name in ("box", "energy", "density"):
             if getattr(self, name) is not None:
                 raise InputError(
                     f"{name}: cannot be combined with states, which says what the states are; leave one out"
                 )
         return None
 
-    def blocks(self, index: int) -> Iterator[Block]:
+    @property
+    def block(self) -> int:
+        return 1 << 14
+
+    def blocks(self, index: int) -> Iterator[Any]:
         """The states of a chunk, block by block."""
         if self.states is not None:
             given = self.states.read(self.disk, index * self.chunk_size, self.length(index))
@@ -141,15 +132,15 @@ class FromStates(FromDensity):
                 yield given.at(np.arange(first, min(first + self.block, self.length(index))))
             return
         for columns in super().blocks(index):
-            states = self.box.states(self.disk, columns)
-            known = columns if isinstance(self.box, Box) else coordinates_of(states)
+            states = self.box.states(columns)
+            known = columns if {*columns} == {*COORDINATES} else coordinates_of(states)
             yield Block(states, known, {name: columns[name] for name in columns if name not in known})
 
     def first_states(self, count: int, seed: int = 0) -> States:
         """A few states like those of the run: the same whatever its seed is, so that runs can be merged."""
         if self.states is not None:
             return self.states.read(self.disk, 0, min(count, self.samples)).states
-        return self.box.states(self.disk, self.draw(numbered_stream(seed, 0), count))
+        return self.box.states(self.draw(numbered_stream(seed, 0), count))
 
     def states_among(self, status: Mapping[str, int]) -> int:
         """How many samples are states; the others are bad input, and in no statistic. Raises InputError for 0."""
@@ -179,42 +170,40 @@ class FromStates(FromDensity):
 # vertical stands for draws anywhere along the motion.
 
 BOX_NEAR_F = (
-    'ranges of upright starts, in the units of the disk, as in "phidot=0.5:2,sigma3=-2:2", where phidot is the '
+    'upright starts, in the units of the disk, as in "phidot=0.5:2,sigma3=-2:2", where phidot is the '
     "speed towards flat"
 )
 ETA_HAT = "distance |eta_hat| from the falling set, on both sides, in the units of the disk"
 
 
-class BoxNearF(Ranges):
-    """Speed towards flat and sigma3 of motions that start at the vertical, at a distance from F."""
+def box_near_f(disk: Disk, given: Any) -> Distribution:
+    """Speed towards flat and sigma3 of starts at the vertical; by default 0.5 to 2 and -2 to 2, natural units.
 
-    @classmethod
-    def near(cls, disk: Disk, given: Mapping[str, Range]) -> Self:
-        """From ranges by name; by default speed 0.5 to 2 and sigma3 -2 to 2, in natural units.
+    Slower starts linger at the vertical, where the energy at which a motion compares with its
+    limit is no longer close to its own. Raises InputError where they are no starts near F.
+    """
+    if isinstance(given, Distribution):
+        return replace(given, disk=disk)
+    unit = disk.rate_unit
+    laws = {"phidot": (0.5 * unit, 2.0 * unit), "sigma3": (-2.0 * unit, 2.0 * unit), **(given or {})}
+    for name in laws:
+        if name not in ("phidot", "sigma3"):
+            why = "starts at the vertical and sets sigma4 by eta_hat"
+            raise InputError(f"box {name}: this scene {why}; give phidot and sigma3 alone")
+    box = Distribution(disk, {name: Coordinate.of(name, law, what="box") for name, law in laws.items()})
+    if box.coordinates["phidot"].low < 0.0:
+        raise InputError(
+            f"box {box.coordinates['phidot']}: this scene takes the speed towards flat, used for both faces; give "
+            "0 <= LOW"
+        )
+    return box
 
-        Slower starts linger at the vertical, where the energy at which a motion compares with its
-        limit is no longer close to its own. Raises InputError where the ranges describe no starts near F.
-        """
-        unit = disk.rate_unit
-        box = cls({"phidot": (0.5 * unit, 2.0 * unit), "sigma3": (-2.0 * unit, 2.0 * unit), **given})
-        for name in box.ranges:
-            if name not in ("phidot", "sigma3"):
-                why = "starts at the vertical and sets sigma4 by eta_hat"
-                raise InputError(f"box {name}: this scene {why}; give phidot and sigma3 alone")
-        box.check("box")
-        low, high = box.ranges["phidot"]
-        if low < 0.0:
-            raise InputError(
-                f"box phidot = {low:g}:{high:g}: this scene takes the speed towards flat, used for both faces; "
-                "give 0 <= LOW"
-            )
-        return box
 
-    def starts(self, random: Stream, count: int) -> dict[str, Array]:
-        """`count` starts as `coordinates_to_states` takes them, but for eta_hat; both faces equally likely."""
-        columns = self.draw(random, count)
-        face = signs(random.random(count))
-        return {"phidot": face * columns["phidot"], "sigma3_bar": columns["sigma3"], "face": face}
+def starts_near_f(box: Distribution, random: Stream, count: int) -> dict[str, Array]:
+    """`count` starts as `coordinates_to_states` takes them, but for eta_hat; both faces equally likely."""
+    columns = box.draw(random, count)
+    face = signs(random.random(count))
+    return {"phidot": face * columns["phidot"], "sigma3_bar": columns["sigma3"], "face": face}
 
 
 def check_eta_hat(span: Range, disk: Disk) -> None:

@@ -27,7 +27,6 @@ CALLS = {
     "format": lambda given: ex.run("race-angles", samples=10, format=given),
     "out": lambda given: ex.run("race-angles", samples=10, out=given),
     "box of C": lambda given: ex.falling_constant(DISK, given),
-    "gaussian of C": lambda given: ex.falling_constant(DISK, gaussian=given),
     "event": lambda given: ex.probability(DISK, event=given, tilt=0.5, precession=1.0, spin=1.0),
     "event by name": lambda given: ex.probability(DISK, event=(given, 1e-3), tilt=0.5, precession=1.0, spin=1.0),
     "slice": lambda given: ex.slice_map(DISK, given),

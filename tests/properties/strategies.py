@@ -87,7 +87,6 @@ SENSIBLE = {
     "seed": st.sampled_from([0, 7]),
     "rng": st.sampled_from([0, 7]),
     "box": boxes,
-    "gaussian": st.sampled_from([None, "phidot=0.5:0.3"]),
     "slice": st.sampled_from(
         ["phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2", "phi=0.1,phidot=-1:1,sigma3=-1:1,sigma4=0.5"]
     ),
@@ -109,7 +108,6 @@ WORDS = {
     "observables",
     "observable",
     "box",
-    "gaussian",
     "slice",
 }
 WORDS |= {"scene", "text", "degrees"}

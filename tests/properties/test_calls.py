@@ -31,7 +31,7 @@ CALLS = {
     "steady_motions": "disk tilt precession face? degrees?",
     "circular_rolling": "disk lean radius degrees?",
     "slice_map": "disk slice points degrees?",
-    "falling_constant": "disk box energy? gaussian?",
+    "falling_constant": "disk box energy?",
     "probability": "disk samples! count? accuracy? degrees? phi phidot sigma3 sigma4",
     "push_forward": "disk time samples rng?",
     "run": "scene disk samples! eta_hat? seed? accuracy? method? chunk_size? box? jobs?",

@@ -18,7 +18,7 @@ SENSIBLE = (
     "plan one-sided --method auto",
     "run race-angles --samples 40 --disk uniform --eta-hat 1e-4:1e-2 --seed 3 --out races --replace --json",
     "run falling-set --samples 40 --box phi=0,phidot=-1:1 --energy :3 --grid 5 --out falls --replace --json",
-    "run measure-zero --samples 100 --tube 16 --gaussian phidot=0.5:0.3 --out law --replace --json",
+    "run measure-zero --samples 100 --tube 16 --box phidot=norm:0.5:0.3 --out law --replace --json",
     "status races",
     "verify races",
     "resume races --jobs 1",

@@ -250,7 +250,6 @@ import numpy as np
 
 from explorer.commands.plan import RunPlan
 from explorer.commands.trade import Trade
-from explorer.measure.sampling import Box
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 from explorer.measure.slices import Slice

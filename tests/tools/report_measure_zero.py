@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 import explorer as ex
-from explorer.measure.density import Density
+from explorer.measure.distributions import Distribution
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from small_runs import DELTAS, coverage
@@ -23,7 +23,7 @@ CASES = (
     ("matching", {"box": "phi=-1:1"}),
     ("uniform", {"box": f"phi={-HALF_PI!r}:{HALF_PI!r}", "energy": ":3"}),
     ("hoop", {"box": "phi=-0.5:1,sigma4=0.3"}),
-    ("uniform", {"gaussian": "phidot=0.5:0.3,sigma4=0:0.5"}),
+    ("uniform", {"box": "phidot=norm:0.5:0.3,sigma4=norm:0:0.5"}),
 )
 COVERED = (("uniform", None, 256), ("hoop", "phi=-1:1", 256), ("matching", "phi=-1:1", 64))
 LAWS = {
@@ -76,11 +76,9 @@ def main():
             print(lines[-1], flush=True)
             if number == 0:
                 first = run.summary
-                for name in ("ladder", "convergence", "tilt"):
-                    shutil.copy(run.folder / "figures" / f"{name}.png", OUT / f"{name}.png")
+                shutil.copy(run.folder / "figures" / "ladder.png", OUT / "ladder.png")
     lines += ["", "## The ladder of the first row", "", "![ladder](ladder.png)", ""]
-    lines += [*ladder_lines(first), *law_lines(first), *split_lines(first)]
-    lines += ["", "![convergence](convergence.png)", "", "![tilt](tilt.png)", "", *coverage_lines()]
+    lines += [*ladder_lines(first), *law_lines(first), "", *coverage_lines()]
     (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
@@ -108,30 +106,6 @@ def law_lines(summary):
     yield "tubes cannot show this. Plain draws can, but it takes some seven million to reject this law."
 
 
-def split_lines(summary):
-    splits, invariance = summary["splits"], summary["invariance"]
-    face = splits["face_plus"]
-    yield from ("", "## How the probability splits", "")
-    yield f"Share of the probability that belongs to face +1: {face['value']:.5f} +- {face['error']:.5f},"
-    yield f"predicted {face['predicted']:.5f}."
-    yield ""
-    yield "To leading order both signs of eta have the same share;"
-    yield "the relative difference of P from C delta is of order delta:"
-    yield from ("", "| delta | (P+ - P-) / P | 95 % | P/(C delta) - 1 | 95 % |", "|---|---|---|---|---|")
-    for row in splits["eta_positive"][:4]:
-        signs, off = row["asymmetry_interval_95"], row["correction_interval_95"]
-        yield (
-            f"| {row['delta']:g} | {row['asymmetry']:+.5f} | {signs[0]:+.5f} to {signs[1]:+.5f} | "
-            f"{row['correction']:+.5f} | {off[0]:+.5f} to {off[1]:+.5f} |"
-        )
-    yield ""
-    yield "Among the draws that come flatter than delta, theta_min/delta is"
-    yield f"distributed uniformly: p = {splits['tilt']['p_value']:.2g}. The motion keeps volumes in the"
-    yield "phase space: the derivative of the final state with respect to the initial one has a determinant that"
-    yield f"equals 1 within {invariance['determinant_error']:.0e}, and states that have"
-    yield f"moved for some time are distributed as before: p = {invariance['push_forward_p_value']:.2g}."
-
-
 def coverage_lines():
     yield from ("## Do the intervals cover?", "")
     depths = ", ".join(f"{delta:g}" for delta in DELTAS)
@@ -139,7 +113,7 @@ def coverage_lines():
     yield from ("", "| disk | box | draws per rung and face | C | slope | a rung |", "|---|---|---|---|---|---|")
     for name, box, draws in COVERED:
         disk = ex.Disk.parse(name)
-        shares = coverage(disk, Density.of(disk, box), 400, draws, seed=12)
+        shares = coverage(Distribution.invariant(disk, box), 400, draws, seed=12)
         cells = " | ".join(f"{share:.3f}" for share in shares)
         yield f"| {name} | {box or 'the vertical'} | {draws} | {cells} |"
 

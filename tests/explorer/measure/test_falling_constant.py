@@ -7,12 +7,19 @@ import numpy as np
 import pytest
 from conftest import BODIES
 from scipy.integrate import nquad
+from scipy.stats import truncnorm
 
 import explorer as ex
-from explorer.measure.density import Density
+from explorer.measure.distributions import Distribution
 from explorer.measure.falling_constant import constant_of, falling_constant
 from explorer.phase.falling_set import impact_speed
 from explorer.phase.states import phi_to_states
+
+
+def bell(mean, deviation, low=-2.0, high=2.0):
+    """A normal law, cut off at the ends of a box."""
+    return f"truncnorm:{(low - mean) / deviation}:{(high - mean) / deviation}:{mean}:{deviation}"
+
 
 FULL = f"phi={-0.5 * math.pi!r}:{0.5 * math.pi!r}"
 
@@ -78,22 +85,20 @@ def test_the_default_box_gives_the_known_constant(name, value):
 def test_points_agree_with_a_grid_of_states_on_the_line(name, box):
     """Membership by `could_fall`, A by `impact_speed`, the line from two states: nothing in common but F."""
     disk = BODIES[name]
-    density = Density.of(disk, box)
-    found = constant_of(disk, density)
-    ends = density.box.describe()
-    tilted = "phi" in density.box.free
-    points = (20 if "phidot" in density.box.free else 80) if tilted else 200
-    slow = by_grid(disk, ends, points)
-    slow /= math.prod(ends[n][1] - ends[n][0] for n in density.box.free)
+    density = Distribution.invariant(disk, box)
+    found = constant_of(density)
+    tilted, moving = (density.coordinates[name].free for name in ("phi", "phidot"))
+    points = (20 if moving else 80) if tilted else 200
+    slow = by_grid(disk, density.describe(), points) / density.volume
     assert found.value == pytest.approx(slow, rel=1e-2 if tilted else 4e-3)
     assert found.error < 1e-4 * found.value
 
 
 def test_an_energy_cut_agrees_with_a_grid():
     disk = ex.Disk.uniform()
-    density = Density.of(disk, "phi=-1:1", (None, 2.0))
-    found = constant_of(disk, density)
-    slow = by_grid(disk, density.box.describe(), 20, energy=2.0) / found.mass
+    density = Distribution.invariant(disk, "phi=-1:1", (None, 2.0))
+    found = constant_of(density)
+    slow = by_grid(disk, density.describe(), 20, energy=2.0) / found.mass
     assert found.value == pytest.approx(slow, rel=1e-2)
 
 
@@ -113,25 +118,24 @@ def test_the_mass_is_the_integral_of_the_density(name):
     """A Gaussian and a function, against nested quadrature by scipy; natural units and SI."""
     disk = BODIES[name]
     u = disk.rate_unit
-    box = f"phi=-1:0.5,phidot={-u}:{2 * u},sigma3={0.3 * u},sigma4={-u}:{u}"
+    box = f"phi=-1:0.5,phidot={bell(0.5 * u, 0.4 * u, -u, 2 * u)},sigma3={0.3 * u},sigma4={-u}:{u}"
     found = falling_constant(
         disk,
         box,
-        gaussian=f"phidot={0.5 * u}:{0.4 * u}",
         density=lambda phi, phidot, sigma3, sigma4: 1.0 + phi**2 * (sigma4 / u) ** 2,
     )
 
     def value(phi, phidot, sigma4):
-        return math.exp(-0.5 * ((phidot - 0.5) / 0.4) ** 2) * (1.0 + phi**2 * sigma4**2)
+        return law.pdf(phidot) * (1.0 + phi**2 * sigma4**2)
 
+    law = truncnorm(-1.5 / 0.4, 1.5 / 0.4, 0.5, 0.4)
     exact = nquad(value, [(-1.0, 0.5), (-1.0, 2.0), (-1.0, 1.0)])[0]
     assert found.mass == pytest.approx(exact, rel=1e-6)
 
 
 def test_a_box_alone_has_the_mass_of_its_sides():
-    density = Density.of(ex.Disk.uniform(), "phi=0,phidot=-1:2,sigma3=0:1,sigma4=-2:2")
-    assert constant_of(ex.Disk.uniform(), density).mass == pytest.approx(12.0, rel=1e-13)
-    assert density.factor_mass("sigma4") == 4.0
+    density = Distribution.invariant(ex.Disk.uniform(), "phi=0,phidot=-1:2,sigma3=0:1,sigma4=-2:2")
+    assert constant_of(density).mass == pytest.approx(12.0, rel=1e-13)
 
 
 # Constants by adaptive Gauss quadrature, to 1e-7 of their value or better; of the narrow functions as Gaussians.
@@ -139,7 +143,7 @@ CASES = {
     "a tilt": ({"box": "phi=0.4"}, 1.8388477686),
     "a corner of the box": ({"box": "phi=-1:1,sigma3=0.5:0.501,sigma4=0.6:0.601"}, 3.7574240217),
     "energies": ({"box": "phi=-1:1", "energy": (None, 2.0)}, 1.7666307855),
-    "Gaussians": ({"gaussian": "sigma3=0.3:0.5,phidot=0:1"}, 1.2115058783),
+    "Gaussians": ({"box": f"sigma3={bell(0.3, 0.5)},phidot={bell(0, 1)}"}, 1.2115058783),
     "a line": ({"density": lambda _, phidot, *__: np.exp(-0.5 * ((phidot - 0.377) / 1e-3) ** 2)}, 1.2298361656),
     "a band": ({"density": lambda *columns: np.exp(-0.5 * ((columns[2] - 0.377) / 1e-2) ** 2)}, 1.3008081446),
 }
@@ -149,8 +153,8 @@ def test_the_stated_error_holds_neither_too_small_nor_too_large():
     """Of 24 constants 67 % lie within one error of 16 scrambles, 94 % within two, give or take four deviations."""
     disk, off = ex.Disk.uniform(), []
     for i, (given, truth) in enumerate(CASES.values()):
-        density = Density.of(disk, **given)
-        found = [constant_of(disk, density, seed) for seed in range(4 * i, 4 * i + 4)]
+        density = Distribution.invariant(disk, **given)
+        found = [constant_of(density, seed) for seed in range(4 * i, 4 * i + 4)]
         off += [abs(each.value - truth) / each.error for each in found]
     assert 7 <= np.sum(np.array(off) < 1.0) <= 23
     assert np.sum(np.array(off) < 2.0) >= 18
@@ -210,20 +214,20 @@ def test_a_density_and_its_mirror_image_change_faces():
     assert one.plus != pytest.approx(one.minus, rel=1e-2)
 
 
-def test_gaussians_in_words_and_in_python_agree():
+def test_laws_in_words_and_weights_in_python_agree():
     disk = ex.Disk.uniform()
-    words = falling_constant(disk, gaussian="sigma3=0.3:0.5,phidot=0:1")
+    words = falling_constant(disk, f"sigma3={bell(0.3, 0.5)},phidot={bell(0, 1)}")
 
-    def bell(phi, phidot, sigma3, sigma4):
+    def weight(phi, phidot, sigma3, sigma4):
         return 7.0 * np.exp(-0.5 * ((sigma3 - 0.3) / 0.5) ** 2 - 0.5 * phidot**2)
 
-    assert same(falling_constant(disk, density=bell), words)
+    assert same(falling_constant(disk, density=weight), words)
     assert words.value != pytest.approx(falling_constant(disk).value, rel=1e-2)
 
 
 def test_a_narrow_gaussian_is_not_missed():
-    disk, box = ex.Disk.uniform(), "sigma3=-2:2,sigma4=-2:2"
-    found = falling_constant(disk, box, gaussian="sigma3=1:1e-4,phidot=1:1e-4")
+    disk = ex.Disk.uniform()
+    found = falling_constant(disk, "sigma3=norm:1:1e-4,phidot=norm:1:1e-4")
     at = falling_constant(disk, "phidot=0.9999:1.0001,sigma3=0.9999:1.0001")
     assert found.value == pytest.approx(at.value, rel=1e-5)
 
@@ -235,8 +239,8 @@ def test_a_box_beside_the_lines_has_no_constant():
 def test_a_density_that_does_not_vanish_at_flat_has_none_unless_the_energy_is_bounded():
     disk = ex.Disk.uniform()
     assert falling_constant(disk, FULL).value == math.inf
-    vanishing = Density.of(disk, FULL, density=lambda phi, *_: np.cos(phi) ** 2)
-    assert constant_of(disk, vanishing).value < math.inf
+    vanishing = Distribution.invariant(disk, FULL, density=lambda phi, *_: np.cos(phi) ** 2)
+    assert constant_of(vanishing).value < math.inf
     bounded = falling_constant(disk, FULL, energy=":3")
     assert bounded.value == pytest.approx(2.1468058, abs=3.0 * bounded.error)
     assert bounded.error < 1e-4
@@ -249,9 +253,9 @@ def test_a_density_that_does_not_vanish_at_flat_has_none_unless_the_energy_is_bo
         ({"energy": (3.0, 2.0)}, "is empty"),
         ({"energy": "some"}, "is not a number or a range"),
         ({"energy": (None, 0.5)}, "zero in all of the box"),
-        ({"gaussian": "phi=0:1"}, "box has no range for"),
+        ({"box": "phi=norm:0:1"}, "goes beyond flat"),
         ({"box": "phi=-1:1,sigma3=0.8,sigma4=1.2"}, "both fixed"),
-        ({"gaussian": "sigma3=0:-1"}, "MEAN:DEVIATION"),
+        ({"box": "sigma3=norm:0:-1"}, "MEAN:DEVIATION"),
         ({"density": 3.0}, "cannot be called"),
         ({"density": lambda *_: np.nan}, "is nan at phi = 0"),
         ({"density": lambda phi, phidot, s3, s4: s3}, "not negative"),
@@ -291,12 +295,12 @@ def test_a_density_that_nearly_overflows_or_vanishes_has_the_constant_of_its_sha
 
 
 def test_a_box_that_is_shrunk_to_a_narrow_density_gives_more_digits():
-    """The remedy of the message: a Gaussian factor by hand, and by `gaussian`, whose width is known."""
+    """The remedy of the message: a Gaussian factor by hand, and as a law, whose width is known."""
     disk, box = ex.Disk.uniform(), "phidot=0.327:0.427"
     found = falling_constant(
         disk, box, density=lambda _, phidot, *__: np.exp(-0.5 * ((phidot - 0.377) / 1e-2) ** 2)
     )
-    known = falling_constant(disk, gaussian="phidot=0.377:0.01")
+    known = falling_constant(disk, "phidot=norm:0.377:0.01")
     assert same(found, known)
     assert found.error < 1e-4
 

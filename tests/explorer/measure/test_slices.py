@@ -130,7 +130,7 @@ def test_a_map_is_a_table_with_its_axes():
         ("phi=0,phidot=1,sigma3=-2:2", "do not determine a state; add sigma4"),
         ("phi=0,phidot=1,sigma3=-2:2,sigma4=0", "give two of phi, phidot, sigma3, sigma4 as LOW:HIGH"),
         ({"phi": 0, "phidot": 1, "sigma3": (-2, 2), "sigma5": (0, 1)}, "did you mean"),
-        ({"phi": 0, "phidot": 1, "sigma3": "a:b", "sigma4": (0, 1)}, "is not a number or a range"),
+        ({"phi": 0, "phidot": 1, "sigma3": "a:b", "sigma4": (0, 1)}, "is no distribution"),
         (7, "write"),
         ("tilt=10:80,precession=0:1,spin=1", "between 0 and pi; where it is in degrees, say so"),
         ("tilt=0.1:1,precession=0:1,spin=1,sigma3=1", "sigma3: leave out"),

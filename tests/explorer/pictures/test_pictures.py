@@ -57,7 +57,7 @@ def drawn(tmp_path_factory, traded):
         "portraits-of-regions": (UNIFORM, "line"),
         "rosette": (ex.wander_path(ex.constants_to_states(UNIFORM, 0.7, 0.01, 1.0), 2),),
         "work-precision": (traded.parts[0],),
-        **dict.fromkeys(("probability", "constant-convergence", "tilt-density"), (run.summary,)),
+        "probability": (run.summary,),
     }
     numbers = {"rotation": {"points": 10}}
     made = {}

@@ -161,7 +161,8 @@ def test_a_run_of_states_in_degrees_is_the_same_when_it_is_read_again(tmp_path):
     (tmp_path / "states.csv").write_text("tilt,tilt_rate,precession,spin\n10,-30,100,60\n70,10,50,30\n")
     about = {"states": tmp_path / "states.csv", "degrees": True, "slice": "tilt=10:80,precession=-90:90,spin=30"}
     run = ex.run("falling-set", out=tmp_path / "run", grid=5, figures=False, progress=False, **about)
-    assert run.options["slices"][0]["tilt"] == pytest.approx(np.radians([10.0, 80.0]).tolist())
+    assert run.scene.slice[0].coordinates["tilt"].ends == pytest.approx(np.radians([10.0, 80.0]).tolist())
+    assert run.options["slices"][0]["tilt"] == [10.0, 80.0]
     again = ex.open(run.folder)
     assert again.options == run.options
     assert again.verify() == []

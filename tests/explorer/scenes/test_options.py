@@ -10,7 +10,6 @@ import pytest
 
 import explorer as ex
 from explorer.commands.main import parser_of
-from explorer.measure.sampling import Box
 from explorer.measure.slices import Slice
 from explorer.scenes.options import described, options_of
 from explorer.scenes.scene import NAMES, read_scene_file, scene_class, scene_of
@@ -29,8 +28,7 @@ GIVEN = {
     "measure-zero": {
         "seed": "7",
         "energy": "1.2:4",
-        "gaussian": "sigma3=0.5:1",
-        "box": "phi=-1:1",
+        "box": "phi=-1:1,sigma3=norm:0.5:1",
         "ladder": "1e-7:1e-1",
         "tube": "512",
     },
@@ -113,7 +111,8 @@ def test_every_option_is_a_keyword_of_run_described_there_and_a_flag_with_help(n
         ("falling-set", {"box": {"phi": [1, 2, 3]}}, "box"),
         ("falling-set", {"box": {"tilt": [0, 1]}}, "box"),
         ("falling-set", {"density": 3}, "cannot be called"),
-        ("falling-set", {"gaussian": "phidot=1"}, r"phidot = '1' is not MEAN:DEVIATION, with finite numbers"),
+        ("falling-set", {"box": "phidot=norm:0:-1"}, "box phidot norm:0:-1: not the parameters of norm"),
+        ("falling-set", {"gaussian": "phidot=0:1"}, "gaussian: falling-set takes no such option"),
         ("measure-zero", {"ladder": "1e-3"}, "ladder = 1e-3 must be LOW:HIGH with 1e-100 <= LOW < HIGH"),
         ("one-sided", {"eta_hat": "1:1e10"}, "eta_hat"),
         ("race-angles", {"eta_hat": "1e-320:1e-310"}, "eta_hat"),
@@ -158,9 +157,8 @@ def test_dashes_and_underscores_are_the_same_in_a_scene_file(tmp_path):
 def test_ranges_are_text_a_mapping_or_a_box_and_keep_all_digits():
     third = {"phi": (-1.0 / 3.0, 1.0 / 3.0), "sigma3": "0.1"}
     box = made("falling-set", box=third).box
-    assert (box.ranges["phi"], box.ranges["sigma3"]) == ((-1.0 / 3.0, 1.0 / 3.0), (0.1, 0.1))
-    mine = Box((0.0, 0.0), (-0.1, 0.2), (0.0, 1.0 / 7.0), (1.0, 1.0))
-    assert made("falling-set", box=mine).box == mine
+    assert [box.coordinates[name].ends for name in third] == [(-1.0 / 3.0, 1.0 / 3.0), (0.1, 0.1)]
+    assert made("falling-set", box=box).box == box
 
 
 def test_disks_and_slices_are_one_or_several_in_any_form():

@@ -8,7 +8,7 @@ import explorer as ex
 from explorer.scenes import Counts, SampledScene
 from explorer.scenes.falling_set import FallingSet
 from explorer.scenes.measure_zero import MeasureZero
-from explorer.scenes.race_angles import Anywhere, NearF
+from explorer.scenes.race_angles import RaceAngles
 from explorer.scenes.scene import NAMES, scene_class
 from kernels._jit import Kernel
 
@@ -44,12 +44,12 @@ class Doubles(SampledScene):
 
 # Scenes whose samples are drawn in all ways that there are: in one pass, by rejection, column by column.
 DRAWN = {
-    "races": (NearF, {}),
-    "bounces": (Anywhere, {"bounces": 2}),
+    "races": (RaceAngles, {}),
+    "bounces": (RaceAngles, {"start": "anywhere", "bounces": 2}),
     "states near F": (FallingSet, {"theta_min": "near"}),
     "states": (FallingSet, {"keep": "all"}),
     "states of an energy": (FallingSet, {"theta_min": "near", "energy": "1:3"}),
-    "a bell of tilts": (FallingSet, {"box": "tilt=0.2:1,precession=-1:1,spin=0:1", "gaussian": "tilt=0.5:0.1"}),
+    "a law of tilts": (FallingSet, {"box": "tilt=norm:0.5:0.1,precession=-1:1,spin=0:1"}),
     "a function": (FallingSet, {"theta_min": "near", "density": lambda phi, phidot, *_: 1.0 + phidot**2}),
     "rare falls": (MeasureZero, {"tube": 100, "ladder": "1e-8:1e-1"}),
     "a user's": (Doubles, {}),
@@ -84,7 +84,7 @@ def assert_alike(one, other):
 
 
 def test_a_longer_run_has_the_samples_of_a_shorter_one_where_a_stream_is_used_up():
-    short, long = (NearF(samples=samples, keep="all").chunk(0)[0] for samples in (65_536, 70_000))
+    short, long = (RaceAngles(samples=samples, keep="all").chunk(0)[0] for samples in (65_536, 70_000))
     assert short.keys() == long.keys()
     for name, values in short.items():
         np.testing.assert_array_equal(values, long[name])
@@ -99,7 +99,7 @@ def test_a_size_of_chunks_that_cuts_streams_unevenly_is_refused_with_the_nearest
     assert FallingSet(chunk_size=nearest).chunk_size == nearest
 
 
-@pytest.mark.parametrize("kind", [NearF, FallingSet, MeasureZero, Doubles])
+@pytest.mark.parametrize("kind", [RaceAngles, FallingSet, MeasureZero, Doubles])
 def test_a_large_run_without_rows_has_few_files(kind):
     assert kind(samples=10**9, keep="none").chunk_size == 1 << 20
     assert kind(samples=10**6, keep="none").chunk_size == kind(samples=10**9, keep="all").chunk_size == 1 << 16

@@ -6,14 +6,14 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import BODIES
-from scipy.stats import kstest
+from scipy.stats import kstest, norm
 
 import explorer as ex
 from explorer.measure.sampling import numbered_stream
 from explorer.scenes.falling_set import FallingSet
 from explorer.scenes.race_angles import RaceAngles
 from explorer.scenes.scene import scene_of
-from explorer.scenes.starts import BoxNearF, check_eta_hat
+from explorer.scenes.starts import box_near_f, check_eta_hat, starts_near_f
 
 GIVEN = pd.DataFrame(
     {"phi": np.linspace(-1.0, 1.0, 7), "phidot": 0.3, "sigma3": 0.5, "sigma4": 0.2, "energy": "mine"}
@@ -37,11 +37,11 @@ def test_both_scenes_take_states_from_one_source(kind):
 
 
 @BOTH
-def test_a_gaussian_a_density_and_an_energy_draw_the_same_states_in_both_scenes(kind):
+def test_a_law_a_density_and_an_energy_draw_the_same_states_in_both_scenes(kind):
     def density(phi, phidot, sigma3, sigma4):
         return np.where(sigma4 > 0.0, 1.0, 0.0)
 
-    options = {"box": "phi=-1:1", "gaussian": "sigma3=0.5:0.01", "density": density, "energy": ":3"}
+    options = {"box": "phi=-1:1,sigma3=norm:0.5:0.01", "density": density, "energy": ":3"}
     scene = kind.of(dict(samples=2000, keep="all", **options))
     table = rows_of(scene)
     assert abs(table["sigma3"].mean() - 0.5) < 0.001
@@ -75,13 +75,27 @@ def test_a_record_of_a_box_in_degrees_draws_the_same_states_again(kind):
     def steep(tilt, precession, spin):
         return np.where(tilt > np.radians(20), 1.0, 0.0)
 
-    scene = kind.of(dict(samples=500, keep="all", gaussian="tilt=40:5,precession=0:10", energy=":1", **CLOUD))
+    laws = {"box": "tilt=norm:40:5,tilt_rate=-20:20,precession=norm:0:10,spin=30", "degrees": True}
+    scene = kind.of(dict(samples=500, keep="all", energy=":1", **laws))
     table, again = rows_of(scene), rows_of(scene_of(json.loads(json.dumps(scene.options))))
     np.testing.assert_array_equal(table["tilt"], again["tilt"])
     assert abs(np.degrees(table["tilt"]).mean() - 40) < 2
     assert table["energy"].max() <= 1
     at_rest = {"box": "tilt=10:60,precession=-90:90,spin=30", "degrees": True, "density": steep}
     assert np.degrees(rows_of(kind.of({"samples": 500, "keep": "all", **at_rest}))["tilt"]).min() > 20
+
+
+@BOTH
+def test_a_law_of_scipy_draws_what_its_text_draws_and_what_the_record_does(kind):
+    given = {"tilt": norm(30, 5), "precession": (-90, 90), "spin": 30}
+    words = "tilt=norm:30:5,precession=-90:90,spin=30"
+    scenes = [kind.of({"samples": 200, "keep": "all", "degrees": True, "box": box}) for box in (given, words)]
+    scenes.append(scene_of(json.loads(json.dumps(scenes[0].options))))
+    assert scenes[0] == scenes[1] == scenes[2]
+    tilts = [rows_of(scene)["tilt"] for scene in scenes]
+    np.testing.assert_array_equal(*tilts[:2])
+    np.testing.assert_array_equal(*tilts[1:])
+    assert kstest(np.degrees(tilts[0]), norm(30, 5).cdf).pvalue > 1e-4
 
 
 def test_ranges_of_a_box_are_those_that_probability_takes():
@@ -123,13 +137,8 @@ def test_a_record_says_that_its_states_were_given_in_python():
     ("options", "message"),
     [
         ({"states": GIVEN, "box": "phi=0"}, "cannot be combined with states"),
-        ({"states": GIVEN, "gaussian": "phi=0:1"}, "cannot be combined with states"),
         ({"states": GIVEN, "samples": 8}, "holds 7"),
-        ({"gaussian": "phi=0:1", "box": "phi=0"}, "box has no range for"),
-        (
-            {"gaussian": "tilt=180:45", "degrees": True},
-            r"tilt = 3.14159:0.785398 \(radians\): box has no range for tilt, only for",
-        ),
+        ({"box": {"phi": (-1, 1), "phidot": object()}}, "box phidot .* or a continuous frozen distribution"),
         ({"box": "tilt=20:40,precession=1,spin=1"}, "where it is in degrees, say so"),
         ({"box": "tilt=0.1:0.2,sigma4=1"}, "add precession and spin"),
         ({"energy": ":1e-3"}, "widen it or shrink the box"),
@@ -183,11 +192,11 @@ def test_what_has_no_tilt_says_where_to_ask():
 
 
 def test_starts_near_f_lie_in_the_box_and_on_both_faces_alike(body):
-    box = BoxNearF.near(body, {})
-    start = box.starts(numbered_stream(1, 0), 4000)
+    box = box_near_f(body, {})
+    start = starts_near_f(box, numbered_stream(1, 0), 4000)
     for values, span in (
-        (start["face"] * start["phidot"], box.ranges["phidot"]),
-        (start["sigma3_bar"], box.ranges["sigma3"]),
+        (start["face"] * start["phidot"], box.coordinates["phidot"].ends),
+        (start["sigma3_bar"], box.coordinates["sigma3"].ends),
     ):
         assert (values >= span[0]).all()
         assert (values <= span[1]).all()
@@ -197,9 +206,9 @@ def test_starts_near_f_lie_in_the_box_and_on_both_faces_alike(body):
 
 def test_only_what_is_given_differs_from_the_default_box_near_f():
     disk = BODIES["coin"]
-    box = BoxNearF.near(disk, {"sigma3": (0.0, 1.0)})
-    assert box.ranges == BoxNearF.near(disk, {}).ranges | {"sigma3": (0.0, 1.0)}
-    assert BoxNearF.near(disk, {name: tuple(span) for name, span in box.describe().items()}) == box
+    box = box_near_f(disk, {"sigma3": (0.0, 1.0)})
+    assert box.describe() == box_near_f(disk, {}).describe() | {"sigma3": [0.0, 1.0]}
+    assert box_near_f(disk, box.describe()) == box
 
 
 @pytest.mark.parametrize(
@@ -212,7 +221,7 @@ def test_only_what_is_given_differs_from_the_default_box_near_f():
 )
 def test_a_box_that_describes_no_start_near_f_is_refused(ranges, message):
     with pytest.raises(ex.InputError, match=message):
-        BoxNearF.near(BODIES["hoop"], ranges)
+        box_near_f(BODIES["hoop"], ranges)
 
 
 @pytest.mark.parametrize("span", [(0.0, 1.0), (1e-2, 1e-3), (1e-3, 11.0), (1e-310, 1e-3)])
