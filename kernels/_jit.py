@@ -31,17 +31,12 @@ from numba.core.compiler import Compiler
 from numba.core.runtime import rtsys
 from numba.extending import typeof_impl
 
-# Strict IEEE arithmetic, the default: the regularised field vectorises without fastmath, lane and scalar
-# code round alike, and NaN checks survive. Relaxed, the compiler may fuse and reorder operations: passages
-# by integration take 10 to 25 % less time at the same errors, but the last digits depend on the machine.
-# NaN checks survive there too. (Single precision was tried: 1.8 times the steps per second, but errors of
-# 2e-4 at the 99th percentile and no direction of races below |eta_hat| = 1e-5, where quadrature is both
-# faster and exact.) 'numpy' makes 1/0 an infinity, not an exception.
-ARITHMETIC = os.environ.get("NEARFLAT_ARITHMETIC", "strict")
-_KNOWN: dict[str, set[str]] = {"strict": set(), "relaxed": {"contract", "reassoc", "arcp", "nsz"}}
-if ARITHMETIC not in _KNOWN:
-    raise ImportError(f"NEARFLAT_ARITHMETIC = {ARITHMETIC!r}: give 'strict' or 'relaxed'")
-_FLAGS = _KNOWN[ARITHMETIC]
+# The compiler may round a product and a sum together, once instead of twice, and nothing else: sums keep their
+# order, so that no result depends on how many lanes a loop has left over, and NaN checks survive. Last digits
+# depend on whether the processor can do it. (Single precision was tried: 1.8 times the steps per second, but
+# errors of 2e-4 at the 99th percentile and no direction of races below |eta_hat| = 1e-5, where quadrature is
+# both faster and exact.) 'numpy' makes 1/0 an infinity, not an exception.
+_ARITHMETIC: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
 # numba counts who holds an array: two atomic additions wherever a function is given one or reads it from a tuple,
 # which took half of the time of passages by integration. A kernel holds its arrays as long as it runs, so what it
 # calls need not count; what makes arrays does (`maker`).
@@ -107,12 +102,11 @@ def _type_of_callee(callee: Callee, context: Any) -> Any:
     return typeof_impl(callee.for_kernels, context)
 
 
-def _callee(flags: set[str], **options: Any) -> Callable[[F], F]:
+def _callee(**options: Any) -> Callable[[F], F]:
     """A decorator of functions that kernels call; it keeps their types."""
 
     def decorate(function: F) -> F:
-        given = {"error_model": "numpy", "fastmath": flags, **options}
-        made: Any = function if config.DISABLE_JIT else Callee(function, given)
+        made: Any = function if config.DISABLE_JIT else Callee(function, _ARITHMETIC | options)
         return made
 
     return decorate
@@ -121,14 +115,10 @@ def _callee(flags: set[str], **options: Any) -> Callable[[F], F]:
 # A device is inlined into its callers and compiles together with them; a subroutine is not, where inlining only
 # costs compile time. Neither makes arrays, and a subroutine that gives back some of those that it was given is not
 # called by a kernel, which would let go of them. A maker is a subroutine that may make arrays; only kernels and
-# other makers call one that gives them back. Contracted: the compiler may round a product and a sum together, once
-# instead of twice. Strict: also where arithmetic is relaxed, for what rounds on purpose.
-device = _callee(_FLAGS, forceinline=True, **_HELD)
-subroutine = _callee(_FLAGS, **_HELD)
-maker = _callee(_FLAGS, **_COUNTED)
-contracted_device = _callee(_FLAGS | {"contract"}, forceinline=True, **_HELD)
-contracted_subroutine = _callee(_FLAGS | {"contract"}, **_HELD)
-strict_device = _callee(set(), forceinline=True, **_HELD)
+# other makers call one that gives them back.
+device = _callee(forceinline=True, **_HELD)
+subroutine = _callee(**_HELD)
+maker = _callee(**_COUNTED)
 
 
 class _Whole(JITCodeLibrary):  # type: ignore[misc]
@@ -155,9 +145,6 @@ class _KernelCompiler(Compiler):  # type: ignore[misc]
         self.state.library = _Whole(self.state.targetctx.codegen(), function.__qualname__)
         self.state.library.enable_object_caching()
         return super().compile_extra(function)
-
-
-_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": _FLAGS, "nogil": True}
 
 
 class _Place:
@@ -266,7 +253,7 @@ class Kernel(Generic[P]):
             return self._build_in(folder)
 
     def _build_in(self, folder: Path | None) -> Callable:
-        made: Any = numba.njit(pipeline_class=_KernelCompiler, **_OPTIONS)(self.function)
+        made: Any = numba.njit(pipeline_class=_KernelCompiler, nogil=True, **_ARITHMETIC)(self.function)
         if folder is not None:
             made._cache = _Cache(self.function)
         if not config.DISABLE_JIT:
@@ -279,13 +266,13 @@ class Kernel(Generic[P]):
 
 @cache
 def source_digest() -> str:
-    """SHA-256 (hex) of this package's source files, its arithmetic and the versions that compile them."""
+    """SHA-256 (hex) of this package's source files and of the versions that compile them."""
     digest = hashlib.sha256()
     for path in sorted(Path(__file__).parent.rglob("*.py")):
         digest.update(
             path.relative_to(Path(__file__).parent).as_posix().encode() + b"\0" + path.read_bytes() + b"\0"
         )
-    digest.update(f"{ARITHMETIC} {numba.__version__} {llvmlite.__version__} {sys.version_info[:2]}".encode())
+    digest.update(f"{numba.__version__} {llvmlite.__version__} {sys.version_info[:2]}".encode())
     return digest.hexdigest()
 
 

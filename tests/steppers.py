@@ -75,12 +75,12 @@ def follow(method, depth, states, control, event=TURNING_POINT, values=(0.0,), l
         np.full((3, n), np.nan),
     )
     no_history = History(0.0, 0.0, np.empty((0, COLUMNS)), np.zeros(1, np.int64), 0)
-    engine.FOLLOW[method, depth](work, no_history, UNIFORM.natural, UNIFORM.whole)
+    engine.FOLLOW[method, depth](work, no_history, UNIFORM.natural)
     return work
 
 
 def linear(states):
     """The constants of each state, sigma3_bar, eta_plus and eta_minus."""
     found = np.empty((6, states.shape[1]))
-    constants_batch(states[:5].copy(), UNIFORM.whole, UNIFORM.natural, found)
+    constants_batch(states[:5].copy(), UNIFORM.natural, found)
     return found[:3].copy()

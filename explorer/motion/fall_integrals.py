@@ -126,7 +126,7 @@ def departures_of_moving(
     # V - V_0 at the vertical on F, eq. (3.8). The squares of sigma4 there and at flat are not subtracted: where
     # they are large, nothing would be left of 1. The series is that of (r'(S) - 1)/S, here at S = 1.
     flat = sigma3_bar / (b.k * b.r0)
-    rise = flat * disk.natural.series[4].sum()
+    rise = flat * sum(disk.natural.series.excess)
     above = 0.5 * b.I1 * (sigma3_bar * sigma3_bar) + 0.5 * b.J * rise * (2.0 * flat + rise) + 1.0
     columns = sigma3_bar, moving + above, moving, rounding
     return compiled.passages.Departures(*map(np.ascontiguousarray, columns))

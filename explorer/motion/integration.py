@@ -80,9 +80,7 @@ def follow(
         *(found.status, found.out, steps, moved),
     )
     history = history or compiled.curves.History(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)
-    run = partial(
-        compiled.engine.FOLLOW[how.kernel_method, how.kernel_depth], work, history, disk.natural, disk.whole
-    )
+    run = partial(compiled.engine.FOLLOW[how.kernel_method, how.kernel_depth], work, history, disk.natural)
     # A kernel ends motions whose status somebody else changes: by that it ends where nobody waits for it.
     attended(run, partial(found.status.fill, compiled.status.Status.STEP_LIMIT))
     found.out[found.status != compiled.status.Status.OK] = np.nan

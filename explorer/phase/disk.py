@@ -332,11 +332,6 @@ class Disk:
         return self.natural.body
 
     @cached_property
-    def whole(self) -> compiled.chaplygin.Whole:
-        """Chaplygin series as tuples, for code that computes several motions side by side."""
-        return compiled.chaplygin.make_whole(self.natural.series)
-
-    @cached_property
     def tables(self) -> tuple[compiled.tables.Tables, ...]:
         """Tables for passages near flat, down to 1e-6 and for finer accuracies; none of slender bodies."""
         from numpy.polynomial.legendre import leggauss

@@ -157,7 +157,7 @@ def located(states: States) -> Location:
     disk, bits, code = states.disk, compiled.membership, compiled.status.Status
     given, codes = states.given is not None, np.empty(len(states), np.int8)
     rows = np.stack(states.motion) if given else np.empty((len(Motion._fields), len(states)))
-    bits.membership_batch(states.natural, given, obstacle(disk), disk.whole, disk.natural, rows, codes)
+    bits.membership_batch(states.natural, given, obstacle(disk), disk.natural, rows, codes)
     motion = vars(states).setdefault("motion", states.of_motion(Motion(*rows)))  # which need not be found again
     codes[states.status == code.BAD_INPUT] = bits.PLUS
     plus, could, on_f, could_plus, could_minus = (

@@ -53,7 +53,7 @@ def rows_of(record: Record, rows: NDArray[Any] | slice) -> Record:
 def motion_through(disk: Disk, states: Array) -> Motion:
     """The motions through states (5, n), rows as `phase.states.Rows`, computed from these."""
     out = np.empty((len(Motion._fields), states.shape[1]))
-    compiled.algebra.constants_batch(np.ascontiguousarray(states), disk.whole, disk.natural, out)
+    compiled.algebra.constants_batch(np.ascontiguousarray(states), disk.natural, out)
     return Motion(*out)
 
 

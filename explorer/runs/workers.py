@@ -27,8 +27,8 @@ from explorer.scenes.scene import Scene
 
 _KEPT = 31 << 20  # bytes; glibc takes no notice of blocks of 32 MB and more
 _OTHERS = (
-    "the worker would compute other numbers than this run; give all machines the same nearflat, Python, numba and "
-    "NEARFLAT_ARITHMETIC, and the same code of the scene"
+    "the worker would compute other numbers than this run; give all machines the same nearflat, Python and "
+    "numba, and the same code of the scene"
 )
 
 

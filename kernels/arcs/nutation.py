@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from kernels._jit import contracted_subroutine, kernel
+from kernels._jit import kernel, subroutine
 from kernels.arcs.potential import (
     END_ROWS,
     LANES,
@@ -91,7 +91,7 @@ def make_points() -> Points:
     return Points(np.sin(0.5 * angle) ** 2, np.ascontiguousarray(twice.T), np.ascontiguousarray(cosines.T))
 
 
-@contracted_subroutine
+@subroutine
 def load(A: Vector, wells: Wells, first: int, chart: Chart) -> None:
     """Wells into lanes; the last one fills those that are left over."""
     inner = wells.inner
@@ -106,7 +106,7 @@ def load(A: Vector, wells: Wells, first: int, chart: Chart) -> None:
     make_ends(A, _FAR, chart)
 
 
-@contracted_subroutine
+@subroutine
 def look(A: Vector, j: int, share: float, b: Body) -> None:
     """What integrands and V'' need of point j, in all lanes."""
     for i in range(LANES):
@@ -123,7 +123,7 @@ def look(A: Vector, j: int, share: float, b: Body) -> None:
         A[at + 2 * POINTS * LANES], A[at + _BEND * POINTS * LANES] = z * ratio - q * sigma4, bend
 
 
-@contracted_subroutine
+@subroutine
 def multiply(A: Vector, i: int, row: int, matrix: Matrix) -> None:
     """Values of lane i at the points, times a matrix."""
     values, sums = A[_AT_POINTS + row * POINTS * LANES :], A[_AT_POINTS + _SUMS * POINTS * LANES :]
@@ -136,7 +136,7 @@ def multiply(A: Vector, i: int, row: int, matrix: Matrix) -> None:
         values[j * LANES + i] = sums[j]
 
 
-@contracted_subroutine
+@subroutine
 def part_of(coefficients: Vector, upto: float) -> float:
     """One integral from the inner end up to an angle."""
     before, now, twice = 0.0, math.sin(upto), 2.0 * math.cos(upto)
@@ -147,7 +147,7 @@ def part_of(coefficients: Vector, upto: float) -> float:
     return total
 
 
-@contracted_subroutine
+@subroutine
 def erred(coefficients: Vector, off: float) -> float:
     """The error of an integral whose end is off by an angle, and of what its coefficients leave out."""
     most = 0.0
@@ -156,7 +156,7 @@ def erred(coefficients: Vector, off: float) -> float:
     return most * off + abs(coefficients[(POINTS - 2) * LANES]) + abs(coefficients[(POINTS - 1) * LANES])
 
 
-@contracted_subroutine
+@subroutine
 def partly(A: Vector, i: int, to: float, rest: float, slack: float) -> ArcRow[float]:
     """Integrals from the inner end over `to` of the length; slack: what rounding leaves unknown of it, as a share.
 
@@ -171,7 +171,7 @@ def partly(A: Vector, i: int, to: float, rest: float, slack: float) -> ArcRow[fl
     return ArcRow(part_of(time, upto), part_of(chi, upto), part_of(psi, upto), erred(time, off), angle_error)
 
 
-@contracted_subroutine
+@subroutine
 def set_right(A: Vector, i: int, wells: Wells, j: int, points: Points, b: Body) -> bool:
     """The turning points of lane i by K and V' at the state of well j; whether they are elsewhere than was found.
 
@@ -212,7 +212,7 @@ def set_right(A: Vector, i: int, wells: Wells, j: int, points: Points, b: Body) 
     return felt
 
 
-@contracted_subroutine
+@subroutine
 def weigh(A: Vector, i: int, points: Points, b: Body) -> None:
     """Coefficients of the integrals in lane i, from values and the share of K at the points."""
     values = A[_AT_POINTS + i :]

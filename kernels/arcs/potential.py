@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kernels._jit import contracted_device, contracted_subroutine
+from kernels._jit import device, subroutine
 from kernels.disk import chaplygin
 from kernels.disk.body import Body, Disk
 from kernels.disk.elementary import exponential, log_ratio, logarithm
@@ -125,7 +125,7 @@ def _of_slope(row: Vector) -> Vector:
     return np.append(economise(row, DEGREE)[0], slope / (2.0 * np.arange(1, DEGREE + 1)))
 
 
-@contracted_device
+@device
 def put_end(A: Vector, at: int, i: int, r: float, w: float, sigma3: float, sigma4: float) -> None:
     """What is given of the end of lane i into rows `at` and following, for `make_ends`."""
     e = at * LANES + i
@@ -133,7 +133,7 @@ def put_end(A: Vector, at: int, i: int, r: float, w: float, sigma3: float, sigma
     A[e + SIGMA3 * LANES], A[e + SIGMA4 * LANES] = sigma3, sigma4
 
 
-@contracted_subroutine
+@subroutine
 def make_ends(A: Vector, at: int, chart: Chart) -> None:
     """The ends in rows `at` and following of a work array, from their r, w, sigma3 and sigma4."""
     E, series = A[at * LANES :], chart.series
@@ -170,7 +170,7 @@ def make_ends(A: Vector, at: int, chart: Chart) -> None:
         E[D * LANES + i] = 0.5 * chart.body.c * E[S * LANES + i] * g * E[LOG_S * LANES + i] + v
 
 
-@contracted_device
+@device
 def end_of(A: Vector, at: int, i: int) -> End:
     """The end of lane i in rows `at` and following."""
     e = at * LANES + i
@@ -193,13 +193,13 @@ def end_of(A: Vector, at: int, i: int) -> End:
     )
 
 
-@contracted_device
+@device
 def potential(q: float, ratio: float, sigma4: float, b: Body) -> float:
     """V itself, for bounds and first guesses."""
     return 0.5 * b.I1 * ratio * ratio + 0.5 * b.J * sigma4 * sigma4 + q
 
 
-@contracted_device
+@device
 def slope_and_bend(q: float, z: float, ratio: float, sigma4: float, b: Body) -> tuple[float, float]:
     """V' and V'' in x."""
     turn, spin = z * ratio, q * sigma4
@@ -208,7 +208,7 @@ def slope_and_bend(q: float, z: float, ratio: float, sigma4: float, b: Body) -> 
     return slope, b.M * (q * ratio) * (q * ratio) + 2.0 * turn * (b.I1 * turn - b.I3 * spin) + rest
 
 
-@contracted_device
+@device
 def quotients(A: Vector, first: int, t: float) -> tuple[float, float, float, float]:
     """The four divided differences at 2S - 1 = t, even and odd powers apart: chains short enough to unroll."""
     square = t * t
@@ -232,7 +232,7 @@ def quotients(A: Vector, first: int, t: float) -> tuple[float, float, float, flo
     return a0 + t * a1, b0 + t * b1, c0 + t * c1, d0 + t * d1
 
 
-@contracted_device
+@device
 def point_at(A: Vector, d: float, inward: bool, end: End, motion: Motion, b: Body) -> Point:
     """The point at the distance d from an end, towards flat (inward) or away from it; `inward` is a constant."""
     times, grown = exponential(-d if inward else d)

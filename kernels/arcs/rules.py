@@ -18,7 +18,7 @@ from typing import Generic, NamedTuple
 
 import numpy as np
 
-from kernels._jit import contracted_device, contracted_subroutine, kernel
+from kernels._jit import device, kernel, subroutine
 from kernels.arcs.potential import (
     END_ROWS,
     LANES,
@@ -212,7 +212,7 @@ def make_rule() -> Rule:
     return Rule(share, rate, weight, coarse, coarser, first)
 
 
-@contracted_device
+@device
 def moved_by(K: float, slow: float, error: float, length: float) -> float:
     """The share by which time and angles are off since a turning point is, close beside a crest.
 
@@ -223,7 +223,7 @@ def moved_by(K: float, slow: float, error: float, length: float) -> float:
     return _OF_BOUND * error / (slow * math.asinh(length / slow)) if felt else 0.0
 
 
-@contracted_subroutine
+@subroutine
 def load(A: Vector, arcs: Arcs, rows: Longs, first: int, n: int, chart: Chart) -> None:
     """Arcs into lanes; the last one fills those that are left over."""
     for i in range(LANES):
@@ -243,14 +243,14 @@ def load(A: Vector, arcs: Arcs, rows: Longs, first: int, n: int, chart: Chart) -
     make_ends(A, _OUTER, chart)
 
 
-@contracted_device
+@device
 def sinh_cosh(y: float) -> tuple[float, float]:
     """(sinh y, cosh y) for y >= 0, each to rounding."""
     e, grown = exponential(y)
     return 0.5 * (grown + grown / e), 0.5 * (e + 1.0 / e)
 
 
-@contracted_device
+@device
 def placed(A: Vector, i: int, share: float, rate: float, slow: bool) -> tuple[float, float]:
     """Distance of a node from its end, and its rate; slow: a constant."""
     if not slow:
@@ -259,7 +259,7 @@ def placed(A: Vector, i: int, share: float, rate: float, slow: bool) -> tuple[fl
     return A[_SLOW + i] * sinh_y, A[_SLOW + i] * A[_LENGTH + i] * rate * cosh_y
 
 
-@contracted_device
+@device
 def add_node(A: Vector, i: int, node: Node, inside: bool, slow: bool, b: Body) -> None:
     """Add a node to the sums of lane i; inside, slow: constants."""
     d, rate = placed(A, i, node.share, node.rate, slow)
@@ -286,7 +286,7 @@ def add_node(A: Vector, i: int, node: Node, inside: bool, slow: bool, b: Body) -
     A[_OLDER_PSI + i] += coarser * psi
 
 
-@contracted_subroutine
+@subroutine
 def integrate(A: Vector, kind: int, size: int, rule: Rule, b: Body) -> None:
     """The sums of the arcs in the lanes."""
     slow = kind >= SLOW_INSIDE
@@ -310,14 +310,14 @@ def integrate(A: Vector, kind: int, size: int, rule: Rule, b: Body) -> None:
                     add_node(A, i, node, False, False, b)
 
 
-@contracted_device
+@device
 def difference(new: float, old: float, older: float, size: float) -> float:
     """Of a sum from that of half the nodes, over its size; at least what theirs from a quarter's lets expect."""
     before = (old - older) / size
     return max(abs(new - old) / size, before * before)
 
 
-@contracted_subroutine
+@subroutine
 def found_in(A: Vector, i: int) -> tuple[ArcRow[float], float]:
     """The arc in lane i, and the part of its error that more nodes would lessen: rad, or relative of the time."""
     time, chi, psi = A[_TIME + i], A[_CHI + i], A[_PSI + i]
@@ -334,14 +334,14 @@ def found_in(A: Vector, i: int) -> tuple[ArcRow[float], float]:
     return ArcRow(time, chi, psi, time_error, angle_error), max(angle, off)
 
 
-@contracted_device
+@device
 def half_axis(beyond: float, aside: float, length: float) -> float:
     """The larger half axis of the ellipse about an arc through a point beyond one of its ends, and aside."""
     far = length + beyond
     return (math.sqrt(beyond * beyond + aside * aside) + math.sqrt(far * far + aside * aside)) / length
 
 
-@contracted_device
+@device
 def zero_axis(end: ArcEnd, inward: bool, length: float, b: Body) -> float:
     """The same for the next zero of K beyond an end."""
     inv = 1.0 / (1.0 + end.r * end.r)
@@ -351,7 +351,7 @@ def zero_axis(end: ArcEnd, inward: bool, length: float, b: Body) -> float:
     return half_axis(beyond, aside, length)
 
 
-@contracted_subroutine
+@subroutine
 def first_size(kind: int, arcs: Arcs, j: int, digits: float, b: Body) -> int:
     """The rule to begin with: half of its nodes bring the digits of the difference that the estimate needs."""
     r, length = arcs.r_out[j], arcs.L[j]
@@ -372,7 +372,7 @@ def first_size(kind: int, arcs: Arcs, j: int, digits: float, b: Body) -> int:
     return size
 
 
-@contracted_subroutine
+@subroutine
 def pick(kind: int, kinds: Longs, arcs: Arcs, digits: float, rows: Longs, sizes: Longs, b: Body) -> int:
     """The arcs of a kind -> rows, and the rules that they begin with -> sizes; how many there are."""
     n = 0

@@ -11,7 +11,7 @@ from typing import Generic, NamedTuple
 
 import numpy as np
 
-from kernels._jit import contracted_device, contracted_subroutine, kernel
+from kernels._jit import device, kernel, subroutine
 from kernels.arcs.potential import (
     END_ROWS,
     LANES,
@@ -111,7 +111,7 @@ _D_AT, _R_AT, _W_AT, _SIGMA3_AT, _SIGMA4_AT, _K_AT, _SLOW_AT, _ERROR_AT, _CREST_
 _ROWS = _PLACE + 9 * LANES
 
 
-@contracted_device
+@device
 def steepest(q: float, ratio: float, sigma4: float, energy: float, inward: bool, b: Body) -> float:
     """A bound of V'' within REACH of a point, wherever V <= energy."""
     grown = q if inward else min(1.0, q * _GROWN)
@@ -125,7 +125,7 @@ def steepest(q: float, ratio: float, sigma4: float, energy: float, inward: bool,
     return (b.M * grown * grown + 2.0 * b.I1) * bounded * bounded + of_spin + grown
 
 
-@contracted_device
+@device
 def step_of(moving: float, slope: float, bound: float) -> float:
     """How far the motion goes on at least; moving: K there, slope: dK/dd. Deep below their squares underflow."""
     steep, left = slope / bound, moving / bound
@@ -135,7 +135,7 @@ def step_of(moving: float, slope: float, bound: float) -> float:
     return min(h, REACH)
 
 
-@contracted_subroutine
+@subroutine
 def load(A: Vector, starts: Starts, first: int, chart: Chart) -> None:
     """Starts from `first` on into lanes; the last one fills those that are left over."""
     last = starts.X.size - 1
@@ -146,13 +146,13 @@ def load(A: Vector, starts: Starts, first: int, chart: Chart) -> None:
     make_ends(A, 0, chart)
 
 
-@contracted_device
+@device
 def point_of(A: Vector, i: int, d: float, inward: bool, b: Body) -> Point:
     """The point at a distance from the start of lane i."""
     return point_at(A, d, inward, end_of(A, 0, i), Motion(A[_X + i], A[_Y + i]), b)
 
 
-@contracted_device
+@device
 def stand(A: Vector, i: int, inward: bool, b: Body) -> None:
     """K, its derivatives along the way and what bounds V'' at the distance of lane i."""
     P = point_of(A, i, A[_D + i], inward, b)
@@ -161,7 +161,7 @@ def stand(A: Vector, i: int, inward: bool, b: Body) -> None:
     A[_R + i], A[_Q + i], A[_RATIO + i], A[_SIGMA4 + i] = P.r, P.q, P.ratio, P.sigma4
 
 
-@contracted_subroutine
+@subroutine
 def begin(A: Vector, inward: bool, b: Body) -> None:
     """All searches at their starts."""
     for i in range(LANES):
@@ -176,7 +176,7 @@ def begin(A: Vector, inward: bool, b: Body) -> None:
         A[_UPRIGHT + i] = -logarithm(end.r) if end.w > 0.5 else -0.5 * log_ratio(-end.w / (2.0 - end.w))
 
 
-@contracted_device
+@device
 def notice_crest(A: Vector, i: int) -> None:
     """Note where K has just passed a least value at which the motion is slow.
 
@@ -189,7 +189,7 @@ def notice_crest(A: Vector, i: int) -> None:
     A[_BEFORE + i], A[_K_BEFORE + i], A[_FALLING + i] = A[_D + i], A[_K + i], 1.0 if slope < 0.0 else 0.0
 
 
-@contracted_device
+@device
 def advance(A: Vector, i: int, inward: bool, b: Body) -> None:
     """One step of the search in lane i, without branches."""
     d, moving, slope, state = A[_D + i], A[_K + i], A[_SLOPE + i], A[_STATE + i]
@@ -223,7 +223,7 @@ def advance(A: Vector, i: int, inward: bool, b: Body) -> None:
     A[_D + i] = new if near else d + h if is_open & (not deep) & (not ends) else d
 
 
-@contracted_subroutine
+@subroutine
 def any_left(A: Vector, until: float) -> bool:
     """Whether a search is not yet so far."""
     n = 0
@@ -232,7 +232,7 @@ def any_left(A: Vector, until: float) -> bool:
     return n > 0
 
 
-@contracted_device
+@device
 def enter_depth(A: Vector, i: int, b: Body) -> None:
     """A distance to begin with, from the law of first order."""
     wall = A[_K + i] + potential(A[_Q + i], A[_RATIO + i], 0.0, b)
@@ -243,7 +243,7 @@ def enter_depth(A: Vector, i: int, b: Body) -> None:
     A[_D + i] = (first if first < _DEEPEST else _DEEPEST) if A[_STATE + i] == _IN_DEPTH else A[_D + i]
 
 
-@contracted_device
+@device
 def approach(A: Vector, i: int) -> None:
     """A step of Newton's in 1/q^2 in lane i, or of bisection where that leaves the bracket."""
     d, moving, slope, r = A[_D + i], A[_K + i], A[_SLOPE + i], A[_R + i]
@@ -263,7 +263,7 @@ def approach(A: Vector, i: int) -> None:
     A[_STATE + i] = _FOUND_DEEP if ends else A[_STATE + i]
 
 
-@contracted_subroutine
+@subroutine
 def dive(A: Vector, b: Body) -> None:
     """The searches that are deep below, by Newton's method."""
     for i in range(LANES):
@@ -279,7 +279,7 @@ def dive(A: Vector, b: Body) -> None:
             break
 
 
-@contracted_device
+@device
 def approach_rest(A: Vector, i: int) -> None:
     """A step of Newton's towards K = 0 in lane i, or of bisection; K < 0 before and V falls all the way."""
     d, moving, slope = A[_D + i], A[_K + i], A[_SLOPE + i]
@@ -294,7 +294,7 @@ def approach_rest(A: Vector, i: int) -> None:
     A[_D + i] = new if is_open else d
 
 
-@contracted_subroutine
+@subroutine
 def search(A: Vector, inward: bool, b: Body) -> None:
     """The next turning points; outwards the vertical where that comes first."""
     begin(A, inward, b)
@@ -319,7 +319,7 @@ def search(A: Vector, inward: bool, b: Body) -> None:
         dive(A, b)
 
 
-@contracted_subroutine
+@subroutine
 def search_rest(A: Vector, b: Body) -> None:
     """Where motions on F that lack -K at their starts begin from rest, towards flat."""
     begin(A, True, b)
@@ -334,7 +334,7 @@ def search_rest(A: Vector, b: Body) -> None:
             stand(A, i, True, b)
 
 
-@contracted_device
+@device
 def next_zero(K: float, fall: float, bend: float) -> tuple[float, float]:
     """How far beyond a point the parabola of K has its next zero, inf for none, and, if complex, how far aside.
 
@@ -349,7 +349,7 @@ def next_zero(K: float, fall: float, bend: float) -> tuple[float, float]:
     return (real, 0.0) if square >= 0.0 else (-fall / bend, root / bend)
 
 
-@contracted_device
+@device
 def slow_beyond(K: float, slope: float, bend: float) -> float:
     """The distance to the next zero of K, from K and derivatives of V; inf beyond SLOW."""
     beyond, aside = next_zero(K, abs(slope), bend)
@@ -361,7 +361,7 @@ def slow_beyond(K: float, slope: float, bend: float) -> float:
     return max(slow, _LEAST) if slow < SLOW else math.inf
 
 
-@contracted_device
+@device
 def place(A: Vector, i: int, inward: bool, b: Body) -> None:
     """The point at the distance of lane i."""
     d = A[_D + i]
@@ -375,7 +375,7 @@ def place(A: Vector, i: int, inward: bool, b: Body) -> None:
     A[_SLOPE + i], A[_BEND + i] = slope, bend
 
 
-@contracted_device
+@device
 def as_found(A: Vector, i: int) -> None:
     """The point in lane i, which a search has found, as such."""
     crosses, r = A[_CROSSES + i] == 1.0, A[_R + i] if A[_STATE + i] == _FOUND_DEEP else A[_R_AT + i]
@@ -387,7 +387,7 @@ def as_found(A: Vector, i: int) -> None:
     A[_D_AT + i] = A[_D_AT + i] if A[_STATE + i] >= _FOUND else math.nan
 
 
-@contracted_subroutine
+@subroutine
 def place_all(A: Vector, inward: bool, b: Body) -> None:
     """The points at the distances of all lanes."""
     if inward:
@@ -398,7 +398,7 @@ def place_all(A: Vector, inward: bool, b: Body) -> None:
             place(A, i, False, b)
 
 
-@contracted_subroutine
+@subroutine
 def write(A: Vector, first: int, out: Matrix) -> None:
     """The points in the lanes into columns from `first` on; all NaN without a distance."""
     n = min(LANES, out.shape[1] - first)
@@ -407,7 +407,7 @@ def write(A: Vector, first: int, out: Matrix) -> None:
             out[row, first + i] = A[_PLACE + row * LANES + i] if A[_PLACE + i] == A[_PLACE + i] else math.nan
 
 
-@contracted_subroutine
+@subroutine
 def store(A: Vector, first: int, inward: bool, b: Body, out: Matrix) -> None:
     """What searches have found into columns from `first` on."""
     place_all(A, inward, b)
@@ -419,7 +419,7 @@ def store(A: Vector, first: int, inward: bool, b: Body, out: Matrix) -> None:
     write(A, first, out)
 
 
-@contracted_subroutine
+@subroutine
 def find_crest(A: Vector, i: int, inward: bool, b: Body) -> float:
     """The distance of a crest from near it, by Newton's method; NaN where the motion is not slow there."""
     d, slow = A[_CREST + i], False
@@ -434,7 +434,7 @@ def find_crest(A: Vector, i: int, inward: bool, b: Body) -> float:
     return d if slow & (d > 0.0) & (d < A[_D + i]) else math.nan
 
 
-@contracted_subroutine
+@subroutine
 def store_ends(A: Vector, first: int, b: Body, state: Matrix, vertical: Matrix) -> None:
     """The starts, and the vertical as the constants of their motions have it, into columns from `first` on."""
     A[_D : _D + LANES] = 0.0

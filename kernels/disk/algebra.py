@@ -4,12 +4,11 @@ import math
 
 import numpy as np
 
-from kernels._jit import contracted_device, contracted_subroutine, kernel, subroutine
+from kernels._jit import device, kernel, subroutine
 from kernels.disk.body import Body, Disk
-from kernels.disk.chaplygin import Solutions, Whole, whole_solutions
-from kernels.disk.constants import from_solutions
-from kernels.disk.elementary import SMALLEST, log_ratio, logarithm
-from kernels.disk.field import contracted_energy, reduced_state
+from kernels.disk.chaplygin import Solutions, solutions
+from kernels.disk.constants import depth_below_vertical, from_solutions
+from kernels.disk.field import energy, reduced_state
 from kernels.types import Matrix, Vector
 
 LANES = 64  # eight AVX-512 registers; columns of a block stay in the first cache
@@ -18,22 +17,8 @@ LANES = 64  # eight AVX-512 registers; columns of a block stay in the first cach
 Q, Z, P, RHO, SIGMA4 = range(5)
 CONSTANTS, SOLUTIONS, ROWS = 5, 11, 16
 
-_LN2 = math.log(2.0)
-_ROOT_HALF = math.sqrt(0.5)
-_SCALE, _LOG_SCALE = 2.0**54, 54.0 * _LN2  # it takes the smallest numbers to where their exponents have bits
 
-
-@contracted_device
-def depth(q: float, z: float, log_q: float) -> tuple[float, float]:
-    """(S, ln S) as `depth_below_vertical`, by short series."""
-    larger = 1.0 + abs(z)
-    # larger is 1 ... 2: ln(larger) = ln(larger / sqrt 2) + ln 2 / 2
-    s = (larger * _ROOT_HALF - 1.0) / (larger * _ROOT_HALF + 1.0)
-    log_S = 2.0 * log_q - log_ratio(s) - 0.5 * _LN2
-    return q * (q / larger), log_S
-
-
-@contracted_device
+@device
 def solutions_of(W: Vector, i: int) -> Solutions:
     """The solutions of lane i."""
     return Solutions(
@@ -45,15 +30,13 @@ def solutions_of(W: Vector, i: int) -> Solutions:
     )
 
 
-@contracted_subroutine
-def solve(W: Vector, whole: Whole, b: Body) -> None:
+@subroutine
+def solve(W: Vector, disk: Disk) -> None:
     """The solutions at the tilts."""
     for i in range(LANES):
         q, z = W[Q * LANES + i], W[Z * LANES + i]
-        small = q < SMALLEST
-        log_q = logarithm(q * _SCALE if small else q) - (_LOG_SCALE if small else 0.0)
-        S, log_S = depth(q, z, log_q)
-        f = whole_solutions(S, log_S, b.c, whole)
+        S, log_S = depth_below_vertical(q, z)
+        f = solutions(S, log_S, disk.body.c, disk.series)
         W[SOLUTIONS * LANES + i] = f.rho
         W[(SOLUTIONS + 1) * LANES + i] = f.drho
         W[(SOLUTIONS + 2) * LANES + i] = f.rho_over_S
@@ -61,13 +44,13 @@ def solve(W: Vector, whole: Whole, b: Body) -> None:
         W[(SOLUTIONS + 4) * LANES + i] = f.dD
 
 
-@contracted_subroutine
+@subroutine
 def constants(W: Vector, b: Body) -> None:
     """The constants of states from the solutions at their tilts."""
     for i in range(LANES):
         q, z, p = W[Q * LANES + i], W[Z * LANES + i], W[P * LANES + i]
         x = reduced_state(q if q > 0.0 else math.nan, z, p, W[RHO * LANES + i], W[SIGMA4 * LANES + i])
-        found = from_solutions(x, solutions_of(W, i), contracted_energy(x, b), b)
+        found = from_solutions(x, solutions_of(W, i), energy(x, b), b)
         W[CONSTANTS * LANES + i] = found.sigma3_bar
         W[(CONSTANTS + 1) * LANES + i] = found.eta_plus
         W[(CONSTANTS + 2) * LANES + i] = found.eta_minus
@@ -93,12 +76,12 @@ def store(W: Vector, row: int, first: int, count: int, rows: Matrix) -> None:
 
 
 @kernel
-def constants_batch(states: Matrix, whole: Whole, disk: Disk, out: Matrix) -> None:
+def constants_batch(states: Matrix, disk: Disk, out: Matrix) -> None:
     """states (5, n): q, z, p, rho, sigma4 -> out (6, n), rows as Constants. NaN where not q > 0."""
     n, W = states.shape[1], np.zeros(ROWS * LANES)
     for first in range(0, n, LANES):
         count = min(LANES, n - first)
         load(states, first, count, 0, W)
-        solve(W, whole, disk.body)
+        solve(W, disk)
         constants(W, disk.body)
         store(W, CONSTANTS, first, count, out)

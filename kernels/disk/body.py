@@ -3,8 +3,7 @@
 import math
 from typing import NamedTuple
 
-from kernels.disk import chaplygin
-from kernels.types import Matrix
+from kernels.disk.chaplygin import Series, make_series
 
 
 class Body(NamedTuple):
@@ -26,20 +25,20 @@ class Body(NamedTuple):
 
 
 class Disk(NamedTuple):
-    """What kernels know of a disk: its constants, and (5, n) coefficients of `chaplygin.make_series`.
+    """What kernels know of a disk: its constants, and Chaplygin's series.
 
     Made by :func:`make_disk`, which does not validate: ``explorer.Disk`` does.
     """
 
     body: Body
-    series: Matrix
+    series: Series
 
 
 def make_disk(I1: float, I3: float) -> Disk:
     """The disk with the moments of inertia I1/(m r^2) and I3/(m r^2)."""
     M, J = I1 + 1.0, I3 + 1.0
     c = I3 / (J * I1)
-    series, r0, dr0 = chaplygin.make_series(c)
+    series, r0, dr0 = make_series(c)
     body = Body(
         I1=I1,
         I3=I3,

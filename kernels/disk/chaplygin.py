@@ -18,8 +18,8 @@ import numpy as np
 from numba import float64
 from numba import types as nb
 
-from kernels._jit import contracted_device, device
-from kernels.disk.polynomials import economise, long_horner
+from kernels._jit import device
+from kernels.disk.polynomials import economise, horner
 from kernels.types import Matrix, Vector
 
 # The nearest singularity is S = 2, so Chebyshev coefficients on [0, 1] fall like 5.8^-n:
@@ -41,32 +41,27 @@ class Solutions(NamedTuple):
 Powers = Annotated[tuple[float, ...], nb.UniTuple(float64, DEGREE + 1)]
 
 
-class Whole(NamedTuple):
-    """Chaplygin's series for S <= 1, ascending powers of 2 S - 1."""
+class Series(NamedTuple):
+    """Chaplygin's series on 0 <= S <= 1, ascending powers of 2 S - 1; excess: of (rho' - 1)/S.
+
+    Tuples, which the compiler sees no array overlap: loops over lanes need that.
+    """
 
     rho_over_S: Powers
     drho: Powers
     v: Powers
     dv: Powers
+    excess: Powers
 
 
-def make_series(c: float) -> tuple[Matrix, float, float]:
-    """Polynomials in 2S - 1 on 0 <= S <= 1 for rho/S, rho', v, v', (rho' - 1)/S; and r(0), r'(0).
-
-    c is the dimensionless parameter of eq. (4.3). Returns coefficients, shape (5, DEGREE + 1),
-    ascending powers.
-    """
+def make_series(c: float) -> tuple[Series, float, float]:
+    """Chaplygin's series, and r(0), r'(0); c is the dimensionless parameter of eq. (4.3)."""
     rows, r0, dr0 = power_series(c)
-    return np.ascontiguousarray(np.stack([economise(row, DEGREE) for row in rows])), r0, dr0
-
-
-def make_whole(series: Matrix) -> Whole:
-    """Rows of make_series as tuples, which lanes keep at hand."""
-    return Whole(*(tuple(map(float, row)) for row in series[:4]))
+    return Series(*(tuple(map(float, economise(row, DEGREE))) for row in rows)), r0, dr0
 
 
 def power_series(c: float) -> tuple[Matrix, float, float]:
-    """The same five functions in ascending powers of S, and r(0), r'(0).
+    """The five functions of `Series` in ascending powers of S, and r(0), r'(0).
 
     Eqs (5.1)-(5.3), and v of Lemma 2.
     """
@@ -93,41 +88,14 @@ def _unsettled(c: float) -> tuple[Vector, Vector]:
     return r, v
 
 
-def _combined(S: float, log_S: float, c: float, smooth: tuple[float, float, float, float]) -> Solutions:
-    """The solutions from the values of their four series (rho/S, rho', v, v') at S."""
-    g, drho, v, dv = smooth
-    rho, half_c = S * g, 0.5 * c
-    return Solutions(rho, drho, g, half_c * rho * log_S + v, half_c * (drho * log_S + g) + dv)
-
-
-combined, contracted_combined = device(_combined), contracted_device(_combined)
-
-
 @device
-def solutions(S: float, log_S: float, c: float, series: Matrix) -> Solutions:
+def solutions(S: float, log_S: float, c: float, series: Series) -> Solutions:
     """The solutions at 0 <= S <= 1; log_S is passed because S may underflow."""
-    x = 2.0 * S - 1.0
-    n = series.shape[1] - 1
-    g, drho, v, dv = series[0, n], series[1, n], series[2, n], series[3, n]
-    for j in range(n - 1, -1, -1):
-        g = g * x + series[0, j]
-        drho = drho * x + series[1, j]
-        v = v * x + series[2, j]
-        dv = dv * x + series[3, j]
-    return combined(S, log_S, c, (g, drho, v, dv))
-
-
-@contracted_device
-def whole_solutions(S: float, log_S: float, c: float, whole: Whole) -> Solutions:
-    """As `solutions`, in lanes."""
-    t = 2.0 * S - 1.0
-    smooth = (
-        long_horner(whole.rho_over_S, t),
-        long_horner(whole.drho, t),
-        long_horner(whole.v, t),
-        long_horner(whole.dv, t),
-    )
-    return contracted_combined(S, log_S, c, smooth)
+    t, half_c = 2.0 * S - 1.0, 0.5 * c
+    g, drho = horner(series.rho_over_S, t), horner(series.drho, t)
+    v, dv = horner(series.v, t), horner(series.dv, t)
+    rho = S * g
+    return Solutions(rho, drho, g, half_c * rho * log_S + v, half_c * (drho * log_S + g) + dv)
 
 
 @device

@@ -3,10 +3,10 @@
 import math
 from typing import Generic, NamedTuple
 
-from kernels._jit import contracted_device, device
+from kernels._jit import device
 from kernels.disk.body import Body
 from kernels.disk.chaplygin import Solutions
-from kernels.disk.elementary import EPSILON
+from kernels.disk.elementary import EPSILON, SMALLEST, log_ratio, logarithm
 from kernels.disk.field import State
 from kernels.disk.rows import Entry
 
@@ -28,6 +28,9 @@ class Constants(NamedTuple, Generic[Entry]):
 
 # A dozen operations per term and the series, each half a unit in the last place.
 _ULPS = 6 * EPSILON
+_LN2 = math.log(2.0)
+_ROOT_HALF = math.sqrt(0.5)
+_SCALE, _LOG_SCALE = 2.0**54, 54.0 * _LN2  # it takes the smallest numbers to where their exponents have bits
 
 
 @device
@@ -38,12 +41,15 @@ def nearer_plus(eta_plus: float, eta_minus: float) -> bool:
 
 @device
 def depth_below_vertical(q: float, z: float) -> tuple[float, float]:
-    """(S, ln S) with S = 1 - |z|, from q and z without cancellation and beyond underflow."""
-    larger = 1.0 + abs(z)
-    return q * (q / larger), 2.0 * math.log(q) - math.log(larger)
+    """(S, ln S) with S = 1 - |z|, from q and z without cancellation and beyond underflow; q > 0."""
+    larger, small = 1.0 + abs(z), q < SMALLEST
+    log_q = logarithm(q * _SCALE if small else q) - (_LOG_SCALE if small else 0.0)
+    # larger is 1 ... 2: ln(larger) = ln(larger / sqrt 2) + ln 2 / 2
+    s = (larger * _ROOT_HALF - 1.0) / (larger * _ROOT_HALF + 1.0)
+    return q * (q / larger), 2.0 * log_q - log_ratio(s) - 0.5 * _LN2
 
 
-@contracted_device
+@device
 def from_solutions(x: State, f: Solutions, E: float, b: Body) -> Constants[float]:
     """Constants of the state x with energy E, f the solutions at its tilt.
 

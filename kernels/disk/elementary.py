@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from kernels._jit import contracted_device, strict_device
-from kernels.disk.polynomials import horner, strict_horner, taylor
+from kernels._jit import device
+from kernels.disk.polynomials import horner, taylor
 
 _LN2, _LN2_REST = 6.93147180369123816490e-01, 1.90821492927058770002e-10  # the first has 32 bits
 _INV_LN2 = 1.0 / math.log(2.0)
@@ -35,13 +35,13 @@ _ATANH = taylor(lambda n: 9.0**-n / (2 * n + 1), 10)
 _ATAN = taylor(lambda n: (-_STEEPEST) ** n / (2 * n + 1), 12)
 
 
-@contracted_device
+@device
 def log_ratio(s: float) -> float:
     """ln((1 + s)/(1 - s)) for |s| <= 1/3."""
     return 2.0 * s * horner(_ATANH, 18.0 * s * s - 1.0)
 
 
-@contracted_device
+@device
 def exponential(d: float) -> tuple[float, float]:
     """(e^d, e^d - 1) for |d| <= 700, each to its own rounding."""
     shifted = d * _INV_LN2 + _WHOLE
@@ -52,7 +52,7 @@ def exponential(d: float) -> tuple[float, float]:
     return power + grown, grown + (power - 1.0)
 
 
-@contracted_device
+@device
 def logarithm(x: float) -> float:
     """ln x for x > SMALLEST, to rounding."""
     word = np.float64(x).view(np.uint64)
@@ -64,7 +64,7 @@ def logarithm(x: float) -> float:
     return n * _LN2 + (log_ratio((mantissa - 1.0) / (mantissa + 1.0)) + n * _LN2_REST)
 
 
-@contracted_device
+@device
 def inverse_root(x: float) -> float:
     """1/sqrt(x); NaN unless x is above 0.
 
@@ -74,34 +74,34 @@ def inverse_root(x: float) -> float:
     return 1.0 / math.sqrt(x if x > 0.0 else math.nan)
 
 
-@contracted_device
+@device
 def arctan(x: float) -> float:
     """atan(x) for x^2 <= _STEEPEST."""
     return x * horner(_ATAN, 2.0 / _STEEPEST * x * x - 1.0)
 
 
-@contracted_device
+@device
 def sine(x: float) -> float:
     """sin(x) for |x| <= pi/2."""
     share = x / _QUARTER
     return x * horner(_SINE, 2.0 * share * share - 1.0)
 
 
-@contracted_device
+@device
 def cosine(x: float) -> float:
     """cos(x) for |x| <= pi/2, with all its digits also near pi/2."""
     return sine((_QUARTER - abs(x)) + _QUARTER_REST)
 
 
-@strict_device
+@device
 def sine_cosine(x: float) -> tuple[float, float]:
     """(sin x, cos x) to rounding and to what x is known to; not contracted, so alike in and out of lanes."""
     turns = (x * _INV_RIGHT + _WHOLE) - _WHOLE
     rest = (x - turns * _RIGHT) - turns * _RIGHT_REST
     quarter = turns - 4.0 * (((0.25 * turns - 0.375) + _WHOLE) - _WHOLE)
     square = rest * rest
-    s = rest * strict_horner(_SINES, square)
-    c = strict_horner(_COSINES, square)
+    s = rest * horner(_SINES, square)
+    c = horner(_COSINES, square)
     odd = (quarter == 1.0) | (quarter == 3.0)
     sine_of, cosine_of = c if odd else s, s if odd else c
     return (

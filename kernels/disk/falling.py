@@ -11,7 +11,7 @@ from typing import Annotated, Any, Generic, NamedTuple
 from numba import float64
 from numba import types as nb
 
-from kernels._jit import contracted_device, device, kernel, subroutine
+from kernels._jit import device, kernel, subroutine
 from kernels.disk import chaplygin
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import Solutions
@@ -94,7 +94,8 @@ class Obstacle(NamedTuple):
     V: Powers
 
 
-def _potential_above_flat(
+@device
+def potential_above_flat(
     gyration: float, rise: float, twice_flat: float, q: float, b: Body
 ) -> tuple[float, float]:
     """(V - V_0, the part of the spin in it), eq. (3.8): gyration + 1/2 J (sigma4^2 - flat^2) + q.
@@ -106,12 +107,6 @@ def _potential_above_flat(
     return gyration + spin + q, spin
 
 
-potential_above_flat, contracted_potential_above_flat = (
-    device(_potential_above_flat),
-    contracted_device(_potential_above_flat),
-)
-
-
 @device
 def potential_at_flat(X: float, b: Body) -> float:
     """V_0 = V(pi/2), eq. (6.9)."""
@@ -119,7 +114,8 @@ def potential_at_flat(X: float, b: Body) -> float:
     return V
 
 
-def _rates_on_f(X: float, q: float, z: float, f: Solutions, b: Body) -> tuple[float, float]:
+@device
+def rates_on_f(X: float, q: float, z: float, f: Solutions, b: Body) -> tuple[float, float]:
     """(sigma3/q^2, sigma4) with eta_+ = 0 where cos phi = q, sin phi = z; f: the solutions there. Eq. (5.9)."""
     # eta_- = 2 I1 r'(0) sigma3_bar where eta_+ = 0
     sigma3, sigma4 = chaplygin.sigma_from_constants(-1.0, X, 2.0 * b.dr0 * b.r0 * X, f, b.k)
@@ -127,10 +123,7 @@ def _rates_on_f(X: float, q: float, z: float, f: Solutions, b: Body) -> tuple[fl
     return X * f.rho_over_S / (1.0 + z) if north else sigma3 / (q * q), X * f.drho / b.k if north else sigma4
 
 
-rates_on_f, contracted_rates_on_f = device(_rates_on_f), contracted_device(_rates_on_f)
-
-
-@subroutine
+@device
 def on_f(q: float, z: float, X: float, disk: Disk) -> OnF:
     """The motion with eta_+ = 0 where cos phi = q, sin phi = z. Needs I3 > 0. Eqs (3.8), (5.9)."""
     b = disk.body
@@ -222,7 +215,7 @@ def critical_X2_batch(phi: Vector, disk: Disk, out: Vector) -> None:
         out[i] = critical_X2(phi[i], disk)
 
 
-@subroutine
+@device
 def line_chart(q: float, z: float, disk: Disk) -> LineChart[float]:
     """The chart where cos phi = q, sin phi = z. Needs I3 > 0. Eqs (3.5), (6.2)."""
     b = disk.body

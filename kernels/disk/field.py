@@ -11,7 +11,7 @@ sines) is dead code that the compiler removes, so a shallower model costs nothin
 import math
 from typing import Any, NamedTuple
 
-from kernels._jit import contracted_device, device, subroutine
+from kernels._jit import device, subroutine
 from kernels.disk.body import Body
 from kernels.disk.elementary import sine_cosine
 from kernels.types import Matrix
@@ -123,12 +123,10 @@ def shift(x: State, h: float, k: State) -> State:
     )
 
 
-def _energy(x: State, b: Body) -> float:
+@device
+def energy(x: State, b: Body) -> float:
     """Total energy, eq. (2.19), in units of m g r."""
     return 0.5 * b.M * (x.p * x.p + x.rho * x.rho * b.inv_kappa2) + 0.5 * b.J * x.sigma4 * x.sigma4 + x.q
-
-
-energy, contracted_energy = device(_energy), contracted_device(_energy)
 
 
 @device

@@ -5,7 +5,7 @@ What lanes cannot tell for rounding is told for one state at a time, by what jud
 
 import numpy as np
 
-from kernels._jit import contracted_device, contracted_subroutine, kernel, subroutine
+from kernels._jit import device, kernel, subroutine
 from kernels.disk.algebra import (
     CONSTANTS,
     LANES,
@@ -19,16 +19,16 @@ from kernels.disk.algebra import (
     store,
 )
 from kernels.disk.body import Body, Disk
-from kernels.disk.chaplygin import Solutions, Whole
+from kernels.disk.chaplygin import Solutions
 from kernels.disk.constants import nearer_plus
 from kernels.disk.falling import (
     FALLS_BACK,
     PASSES,
     UNDECIDED,
     Obstacle,
-    contracted_potential_above_flat,
-    contracted_rates_on_f,
     passes_barrier,
+    potential_above_flat,
+    rates_on_f,
     reaches_flat,
     tilt,
 )
@@ -46,15 +46,15 @@ _TIE = 1e-12
 PLUS, ON_F, COULD, COULD_PLUS, COULD_MINUS = 1, 2, 4, 8, 16
 
 
-@contracted_device
+@device
 def part_of_spin(q: float, z: float, f: Solutions, b: Body) -> float:
     """U of V = X^2 U + q on F, where f are the solutions."""
-    turn, sigma4 = contracted_rates_on_f(1.0, q, z, f, b)
-    V, _spin = contracted_potential_above_flat(0.5 * b.I1 * (turn * q) * (turn * q), sigma4, 0.0, 0.0, b)
+    turn, sigma4 = rates_on_f(1.0, q, z, f, b)
+    V, _spin = potential_above_flat(0.5 * b.I1 * (turn * q) * (turn * q), sigma4, 0.0, 0.0, b)
     return V
 
 
-@contracted_subroutine
+@subroutine
 def at_tilts(W: Vector, b: Body) -> None:
     """U on either hemisphere."""
     for i in range(LANES):
@@ -62,7 +62,7 @@ def at_tilts(W: Vector, b: Body) -> None:
         W[_NEAR * LANES + i], W[_FAR * LANES + i] = part_of_spin(q, z, f, b), part_of_spin(q, -z, f, b)
 
 
-@contracted_device
+@device
 def verdict(E: float, V0: float, V: float, passing: float) -> float:
     """What energies decide; `passing` where they do not hinder."""
     # How far above both, in units of what rounding leaves open.
@@ -72,14 +72,14 @@ def verdict(E: float, V0: float, V: float, passing: float) -> float:
     )  # also NaN, of infinite energies
 
 
-@contracted_subroutine
+@subroutine
 def judge(W: Vector, b: Body) -> bool:
     """Verdicts; whether any of them awaits the barrier's."""
     waiting = 0
     for i in range(LANES):
         q, z, E = W[Q * LANES + i], W[Z * LANES + i], W[_ENERGY * LANES + i]
         X = W[_SIGMA3_BAR * LANES + i] / b.r0
-        V0, _spin = contracted_potential_above_flat(0.0, X / b.k, 0.0, 0.0, b)
+        V0, _spin = potential_above_flat(0.0, X / b.k, 0.0, 0.0, b)
         near, far = X * X * W[_NEAR * LANES + i] + q, X * X * W[_FAR * LANES + i] + q
         other = verdict(E, V0, far, _BEYOND if z != 0.0 else PASSES)
         W[_NEAR * LANES + i], W[_FAR * LANES + i] = verdict(E, V0, near, PASSES), other
@@ -87,7 +87,7 @@ def judge(W: Vector, b: Body) -> bool:
     return waiting > 0
 
 
-@contracted_subroutine
+@subroutine
 def barriers(o: Obstacle, W: Vector, b: Body) -> None:
     """Verdicts on starts beyond the vertical that have the energy for flat."""
     for i in range(LANES):
@@ -96,7 +96,7 @@ def barriers(o: Obstacle, W: Vector, b: Body) -> None:
         W[_FAR * LANES + i] = passes if found == _BEYOND else found
 
 
-@contracted_subroutine
+@subroutine
 def undecided(W: Vector) -> bool:
     """Whether rounding could decide in any lane."""
     odd = 0
@@ -116,7 +116,7 @@ def look(row: int, hemisphere: float, o: Obstacle, disk: Disk, W: Vector) -> Non
             W[row * LANES + i] = PASSES if falls else FALLS_BACK
 
 
-@contracted_subroutine
+@subroutine
 def encode(W: Vector) -> None:
     """Codes from constants and verdicts."""
     for i in range(LANES):
@@ -138,7 +138,7 @@ def encode(W: Vector) -> None:
 
 @kernel
 def membership_batch(
-    states: Matrix, given: bool, obstacle: Obstacle, whole: Whole, disk: Disk, out: Matrix, codes: Codes
+    states: Matrix, given: bool, obstacle: Obstacle, disk: Disk, out: Matrix, codes: Codes
 ) -> None:
     """states (5, n) as State -> their constants, out (6, n), rows as Constants, and codes (n).
 
@@ -148,7 +148,7 @@ def membership_batch(
     for first in range(0, n, LANES):
         count = min(LANES, n - first)
         load(states, first, count, 0, W)
-        solve(W, whole, disk.body)
+        solve(W, disk)
         if given:
             load(out, first, count, CONSTANTS, W)
         else:

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from kernels._jit import contracted_device, strict_device
+from kernels._jit import device
 from kernels.types import Matrix, Vector
 
 _TERMS = 60  # of a Taylor series on an interval where it gains a digit per term or more
@@ -48,31 +48,17 @@ def _powers(chebyshev: Vector) -> Vector:
     return np.pad(powers, (0, chebyshev.size - powers.size))  # numpy drops trailing zeros
 
 
-def _horner(coefficients: tuple[float, ...], x: float) -> float:
-    """The polynomial with the given ascending powers."""
-    n = len(coefficients)
-    total = coefficients[n - 1]
-    # Compilers unroll a short loop only, and loops over lanes around one that is left stay scalar.
-    for k in range(n - 2, 2 * n // 3 - 1, -1):
-        total = total * x + coefficients[k]
-    for k in range(min(n - 2, 2 * n // 3 - 1), n // 3 - 1, -1):
-        total = total * x + coefficients[k]
-    for k in range(min(n - 2, n // 3 - 1), -1, -1):
-        total = total * x + coefficients[k]
-    return total
+@device
+def horner(coefficients: tuple[float, ...], x: float) -> float:
+    """The polynomial with the given ascending powers, two or more.
 
-
-horner, strict_horner = contracted_device(_horner), strict_device(_horner)
-
-
-@contracted_device
-def long_horner(coefficients: tuple[float, ...], x: float) -> float:
-    """As `horner`, even and odd powers apart: short loops, which the compiler unrolls; degree even, >= 4."""
-    square = x * x
-    n = len(coefficients)
-    even, odd = coefficients[n - 1], coefficients[n - 2]
+    Even and odd powers apart: compilers unroll a short loop only, and loops over lanes around one that is left
+    stay scalar.
+    """
+    n, square = len(coefficients), x * x
+    last, other = coefficients[n - 1], coefficients[n - 2]
     for k in range(n - 3, -1, -2):
-        even = even * square + coefficients[k]
-    for k in range(n - 4, 0, -2):
-        odd = odd * square + coefficients[k]
-    return even + x * odd
+        last = last * square + coefficients[k]
+    for k in range(n - 4, -1, -2):
+        other = other * square + coefficients[k]
+    return last + x * other if n % 2 == 1 else other + x * last

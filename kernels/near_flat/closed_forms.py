@@ -15,10 +15,10 @@ e^-2y times polynomials of y, which are smooth in v = e^(y/5) down to v = 0, how
 import math
 from typing import NamedTuple
 
-from kernels._jit import contracted_device
+from kernels._jit import device
 from kernels.disk.body import Body
 from kernels.disk.elementary import arctan, exponential, inverse_root, log_ratio, logarithm
-from kernels.disk.falling import contracted_potential_above_flat
+from kernels.disk.falling import potential_above_flat
 from kernels.disk.polynomials import horner
 from kernels.near_flat.tables import HANDOVER, Low
 
@@ -76,7 +76,7 @@ class Integrals(NamedTuple):
     time: float
 
 
-@contracted_device
+@device
 def near_flat(h: float, inv_h: float, log_h: float, motion: PassageConstants, b: Body, low: Low) -> Near:
     """The motion at h, from the series there."""
     x, y = motion.X, motion.Y
@@ -90,11 +90,11 @@ def near_flat(h: float, inv_h: float, log_h: float, motion: PassageConstants, b:
     smooth = 0.5 * x * g * h
     n = smooth + y * inv_h * D
     q, ratio = h * (1.0 - 0.5 * S) * inv_shape, n * inv_shape
-    V, _spin = contracted_potential_above_flat(0.5 * b.I1 * ratio * ratio, rise, 2.0 * x * inv_k, q, b)
+    V, _spin = potential_above_flat(0.5 * b.I1 * ratio * ratio, rise, 2.0 * x * inv_k, q, b)
     return Near(smooth, D, n, rise, V, inv_shape)
 
 
-@contracted_device
+@device
 def slope_of(h: float, at: Near, x: float, b: Body) -> float:
     """h dV/dh."""
     z = 1.0 - 0.5 * h * h
@@ -103,7 +103,7 @@ def slope_of(h: float, at: Near, x: float, b: Body) -> float:
     return h * at.inv_shape * (b.J * ratio * spin + z) - b.I1 * z * ratio * ratio * inv_shape2
 
 
-@contracted_device
+@device
 def newton(h: float, log_h: float, motion: PassageConstants, b: Body, low: Low) -> tuple[float, float, float]:
     """(h, ln h, step in ln h) after a step of Newton's method in 1/h^2, in which the wall of V is straight."""
     at = near_flat(h, 1.0 / h, log_h, motion, b, low)
@@ -112,7 +112,7 @@ def newton(h: float, log_h: float, motion: PassageConstants, b: Body, low: Low) 
     return h * inverse_root(1.0 - 2.0 * step), log_h - 0.5 * log_ratio(-step / (1.0 - step)), step
 
 
-@contracted_device
+@device
 def closed_forms(
     h: float, log_h: float, at: Near, slope: float, motion: PassageConstants, b: Body, low: Low
 ) -> tuple[Closed, Integrals]:
@@ -145,7 +145,7 @@ def closed_forms(
     return factors, Integrals(chi, rest, slow * tau)
 
 
-@contracted_device
+@device
 def left_over(
     v: float, h_turn: float, log_turn: float, known: Closed, motion: PassageConstants, b: Body, low: Low
 ) -> Integrals:

@@ -11,10 +11,10 @@ from typing import Generic, NamedTuple
 
 import numpy as np
 
-from kernels._jit import contracted_device, contracted_subroutine, kernel
+from kernels._jit import device, kernel, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.elementary import EPSILON, exponential, inverse_root
-from kernels.disk.falling import contracted_potential_above_flat, potential_at_flat
+from kernels.disk.falling import potential_above_flat, potential_at_flat
 from kernels.disk.rows import Entry
 from kernels.near_flat.closed_forms import (
     Closed,
@@ -100,13 +100,13 @@ class FallRow(NamedTuple, Generic[Entry]):
     error: Entry
 
 
-@contracted_device
+@device
 def motion_of(W: Vector, i: int) -> PassageConstants:
     """The motion in lane i."""
     return PassageConstants(W[_X + i], W[_Y + i], W[_LEVEL + i])
 
 
-@contracted_device
+@device
 def leave(W: Vector, i: int, at: Fixed, given: float, b: Body) -> None:
     """What rounding in E - V does to a motion that leaves the vertical; its level, unless that is `given`.
 
@@ -116,7 +116,7 @@ def leave(W: Vector, i: int, at: Fixed, given: float, b: Body) -> None:
     inv_k = 1.0 / b.k
     ratio, rise = x * at.ratio_x + y * at.ratio_y, x * at.rise_x + y * at.rise_y
     gyration = 0.5 * b.I1 * ratio * ratio
-    _V, spin = contracted_potential_above_flat(gyration, rise, 2.0 * x * inv_k, 1.0, b)
+    _V, spin = potential_above_flat(gyration, rise, 2.0 * x * inv_k, 1.0, b)
     level = given if given > 0.0 else moving + gyration + spin + 1.0
     terms = abs(level) + gyration + abs(spin) + 1.0
     duration = min(1.0, math.sqrt(0.5 * b.M / moving))
@@ -125,7 +125,7 @@ def leave(W: Vector, i: int, at: Fixed, given: float, b: Body) -> None:
     W[_TIME_ERROR + i] = 0.0 if moving > _SLOWEST * level else math.nan
 
 
-@contracted_subroutine
+@subroutine
 def turn(W: Vector, b: Body, low: Low) -> None:
     """H and LOG_H of the turning point; no error where it is not near flat, or not found to rounding.
 
@@ -150,7 +150,7 @@ def turn(W: Vector, b: Body, low: Low) -> None:
         W[_TIME_ERROR + i] = W[_TIME_ERROR + i] if near else math.nan
 
 
-@contracted_subroutine
+@subroutine
 def begin_near(W: Vector, b: Body, low: Low) -> None:
     """What is known in closed form below the handover; its factors into rows."""
     for i in range(LANES):
@@ -169,7 +169,7 @@ def begin_near(W: Vector, b: Body, low: Low) -> None:
         W[_ANGLE_ERROR + i], W[_TIME_ERROR + i] = 0.0, W[_TIME_ERROR + i] if good else math.nan
 
 
-@contracted_device
+@device
 def known_of(W: Vector, i: int) -> Closed:
     """The factors of the closed forms in lane i."""
     return Closed(
@@ -186,7 +186,7 @@ def known_of(W: Vector, i: int) -> Closed:
     )
 
 
-@contracted_device
+@device
 def add(W: Vector, i: int, node: Integrals) -> None:
     """Add what a node gives to the sums of lane i, and to those of sizes."""
     W[_CHI + i] += node.chi
@@ -197,7 +197,7 @@ def add(W: Vector, i: int, node: Integrals) -> None:
     W[_TIME_SIZE + i] += abs(node.time)
 
 
-@contracted_subroutine
+@subroutine
 def near_panel(W: Vector, rules: Rules, b: Body, low: Low) -> None:
     """Add what the closed forms leave between the turning point and the handover."""
     inner = rules.inner
@@ -214,20 +214,20 @@ def near_panel(W: Vector, rules: Rules, b: Body, low: Low) -> None:
         W[_TIME_ERROR + i] += rules.truncation * W[_TIME_SIZE + i]
 
 
-@contracted_device
+@device
 def at_fixed(at: Fixed, motion: PassageConstants, b: Body) -> tuple[float, Integrals]:
     """(theta-dot^2, weighted integrands) of a motion at a fixed tilt."""
     ratio = motion.X * at.ratio_x + motion.Y * at.ratio_y
     rise = motion.X * at.rise_x + motion.Y * at.rise_y
     flat = motion.X * (1.0 / b.k)
-    V, _spin = contracted_potential_above_flat(0.5 * b.I1 * ratio * ratio, rise, 2.0 * flat, at.height, b)
+    V, _spin = potential_above_flat(0.5 * b.I1 * ratio * ratio, rise, 2.0 * flat, at.height, b)
     speed2 = 2.0 * b.inv_M * (motion.level - V)
     inv_speed = inverse_root(speed2)
     rest = at.time * inv_speed * (ratio * at.slope + flat + rise)
     return speed2, Integrals(at.chi * ratio * inv_speed, rest, at.time * inv_speed)
 
 
-@contracted_subroutine
+@subroutine
 def far_panel(W: Vector, nodes: Matrix, b: Body) -> None:
     """Add a stretch below the vertical, by nodes at tilts that all samples share, and what rules miss."""
     W[_CHI_LAST : _TIME_BEFORE + LANES] = 0.0
@@ -246,14 +246,14 @@ def far_panel(W: Vector, nodes: Matrix, b: Body) -> None:
     estimate_truncation(W, nodes, b)
 
 
-@contracted_device
+@device
 def share_of(last: float, before: float, size: float) -> float:
     """The last coefficients of a rule over its sum of sizes, 1 at most."""
     share = (abs(last) + abs(before)) / (size + 1e-300)  # never 0/0
     return share if share < 1.0 else 1.0
 
 
-@contracted_subroutine
+@subroutine
 def estimate_truncation(W: Vector, nodes: Matrix, b: Body) -> None:
     """Add what a rule at fixed tilts misses.
 
@@ -278,7 +278,7 @@ def estimate_truncation(W: Vector, nodes: Matrix, b: Body) -> None:
         W[_TIME_ERROR + i] += truncation * W[_TIME_SIZE + i]
 
 
-@contracted_subroutine
+@subroutine
 def finish(W: Vector, times: float) -> None:
     """CHI, REST and TIME so many times, and their errors with rounding; that of the time is relative."""
     for i in range(LANES):
@@ -288,7 +288,7 @@ def finish(W: Vector, times: float) -> None:
         W[_CHI + i], W[_REST + i], W[_TIME + i] = times * chi, times * rest, times * time
 
 
-@contracted_subroutine
+@subroutine
 def load(W: Vector, row: int, values: Vector, first: int, unit: float) -> None:
     """Numbers in units into a row, from `first` on; the last one fills the lanes that are left over."""
     n = min(LANES, values.size - first)

@@ -14,7 +14,7 @@ import numpy as np
 from numba import float64
 from numba import types as nb
 
-from kernels._jit import contracted_device
+from kernels._jit import device
 from kernels.disk import chaplygin
 from kernels.disk.body import Disk
 from kernels.disk.polynomials import economise
@@ -68,7 +68,7 @@ class Fixed(NamedTuple):
     chi: float
 
 
-@contracted_device
+@device
 def fixed(table: Matrix, j: int) -> Fixed:
     """Node j of a table of fixed tilts."""
     ratio_x, ratio_y, rise_x, rise_y = table[0, j], table[1, j], table[2, j], table[3, j]

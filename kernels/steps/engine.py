@@ -11,7 +11,6 @@ import numpy as np
 
 from kernels._jit import Kernel, device, kernel, maker, subroutine
 from kernels.disk.body import Body, Disk
-from kernels.disk.chaplygin import Whole
 from kernels.disk.field import ANGLES, PATH, REDUCED, State, column, energy, pace
 from kernels.status import Status
 from kernels.steps import lanes
@@ -151,18 +150,19 @@ def collect(work: Work, W: Vector, arrived: Vector, waiting: int) -> int:
 
 
 @subroutine
-def locate_all(attempt: Any, depth: int, work: Work, W: Vector, waiting: int, whole: Whole, b: Body) -> None:
+def locate_all(attempt: Any, depth: int, work: Work, W: Vector, waiting: int, disk: Disk) -> None:
     """States at the values met within the last steps of lanes: first by a step about as far, then located.
 
     SINCE is then the length of the whole step.
     """
+    b = disk.body
     for i in range(LANES):
         x, end, h = read(W, BEFORE, i), read(W, NOW, i), W[lanes.TAKEN * LANES + i]
         W[lanes.STEP * LANES + i] = first_guess(x, end, h, Stop(work.event, W[lanes.NEXT * LANES + i]), b)
         W[lanes.SINCE * LANES + i], W[lanes.CONTROL * LANES + i] = h, _ANY
         write(W, NOW, i, x)
     lanes.sweep(attempt, W, work.event, b)
-    lanes.hold(W, whole, b)
+    lanes.hold(W, disk)
     for i in range(LANES):
         h = W[lanes.SINCE * LANES + i]
         y, found = locate(read(W, NOW, i), h, Stop(work.event, W[lanes.NEXT * LANES + i]), b)
@@ -189,7 +189,7 @@ def make_lanes() -> Vector:
 
 @device
 def follow(
-    attempt: Any, depth: int, work: Work, history: History, room: tuple[Vector, Vector], disk: Disk, whole: Whole
+    attempt: Any, depth: int, work: Work, history: History, room: tuple[Vector, Vector], disk: Disk
 ) -> None:
     """Follow every motion to all of the values, by steps of `attempt`, which the history keeps.
 
@@ -204,17 +204,17 @@ def follow(
             shorten(history, W, b)
         attention = lanes.sweep(attempt, W, work.event, b)
         sweeps += 1
-        lanes.hold(W, whole, b)
+        lanes.hold(W, disk)
         if history.most > 0 and keep(history, W) >= history.most:
             return
         if attention > 0 or sweeps >= place.due:
             waiting = collect(work, W, arrived, waiting)
             while waiting == LANES:
-                locate_all(attempt, depth, work, arrived, waiting, whole, b)
+                locate_all(attempt, depth, work, arrived, waiting, disk)
                 waiting = collect(work, W, arrived, 0)
             leave(work, W, sweeps, sweeps >= place.due)
             place = fill(work, W, place, sweeps, b)
-    locate_all(attempt, depth, work, arrived, waiting, whole, b)
+    locate_all(attempt, depth, work, arrived, waiting, disk)
 
 
 def at_depth(method: int, depth: int) -> Any:
@@ -231,9 +231,9 @@ def at_depth(method: int, depth: int) -> Any:
 def _kernel(method: int, depth: int, name: str) -> Kernel:
     attempt = at_depth(method, depth)
 
-    def run(work: Work, history: History, disk: Disk, whole: Whole) -> None:
+    def run(work: Work, history: History, disk: Disk) -> None:
         """Follow every motion by one method at one depth."""
-        follow(attempt, depth, work, history, (make_lanes(), make_lanes()), disk, whole)
+        follow(attempt, depth, work, history, (make_lanes(), make_lanes()), disk)
 
     run.__name__ = run.__qualname__ = name
     return kernel(run)

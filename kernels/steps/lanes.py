@@ -7,12 +7,11 @@ sums and products that the compiler may round together; what that moves is added
 import math
 from typing import Any
 
-from kernels._jit import contracted_device, contracted_subroutine, device, subroutine
-from kernels.disk.algebra import depth
-from kernels.disk.body import Body
-from kernels.disk.chaplygin import Whole, whole_solutions
-from kernels.disk.elementary import logarithm
-from kernels.disk.field import State, contracted_energy, reduced, with_reduced
+from kernels._jit import device, subroutine
+from kernels.disk.body import Body, Disk
+from kernels.disk.chaplygin import solutions
+from kernels.disk.constants import depth_below_vertical
+from kernels.disk.field import State, energy, reduced, with_reduced
 from kernels.steps.adaptive import SHORTEST_STEP
 from kernels.steps.events import Event, crossed, level
 from kernels.types import Vector
@@ -131,22 +130,23 @@ def onto_circle(y: State, held: bool) -> State:
     return with_reduced(y, q if held else y.q, z if held else y.z, y.p, y.rho, y.sigma4)
 
 
-@contracted_subroutine
-def hold(W: Vector, whole: Whole, b: Body) -> None:
+@subroutine
+def hold(W: Vector, disk: Disk) -> None:
     """Put every lane that is held back onto its constants, and where it is fastest onto its energy.
 
     That is once in each swing: what steps do to the energy on the way down is mostly undone on the way up, and p
     would take up an error of the tilt. An energy that drifts makes the error of time and angles grow like the
     square of the time; held, like the time. Needs I3 > 0 of lanes that are held.
     """
+    b = disk.body
     inv_kappa, weight, inv_k = 1.0 / b.kappa, math.sqrt(b.J_over_M), 1.0 / b.k
     for i in range(LANES):
         x, bar, total = read(W, NOW, i), W[X_HELD * LANES + i], W[ENERGY * LANES + i]
         # All are loaded, so that nothing branches.
         plus, minus = W[Y_PLUS * LANES + i], W[Y_MINUS * LANES + i]
-        rho, sigma4 = rates(x, bar, plus if x.z >= 0.0 else minus, inv_k, whole, b)
+        rho, sigma4 = rates(x, bar, plus if x.z >= 0.0 else minus, inv_k, disk)
         y = with_reduced(x, x.q, x.z, x.p, rho, sigma4)
-        excess = contracted_energy(y, b) - total
+        excess = energy(y, b) - total
         kinetic = 0.5 * b.M * x.p * x.p
         # Where it hardly moves p cannot take the correction up.
         fastest = reduced(read(W, BEFORE, i), b)[2] * reduced(y, b)[2] < 0.0
@@ -159,21 +159,21 @@ def hold(W: Vector, whole: Whole, b: Body) -> None:
         W[(NOW + 4) * LANES + i] = sigma4 if bar == bar else x.sigma4
 
 
-@contracted_device
+@device
 def max_of(one: float, other: float) -> float:
     """The larger; `other` where one is NaN."""
     return one if one > other else other
 
 
-@contracted_device
-def rates(x: State, X: float, Y: float, inv_k: float, whole: Whole, b: Body) -> tuple[float, float]:
+@device
+def rates(x: State, X: float, Y: float, inv_k: float, disk: Disk) -> tuple[float, float]:
     """(rho, sigma4) at the tilt of x, from the constants of its motion as seen from the nearer face.
 
     The saddle beside flat amplifies an error in rho by 1/theta_min. Set anew after every step, rho never carries
     one: eta stays what it was given as, down to 1e-300.
     """
-    S, log_S = depth(x.q, x.z, logarithm(x.q))
-    f = whole_solutions(S, log_S, b.c, whole)
+    S, log_S = depth_below_vertical(x.q, x.z)
+    f = solutions(S, log_S, disk.body.c, disk.series)
     # sigma3/q written so that S may underflow
     rho = X * f.rho_over_S * (x.q / (1.0 + abs(x.z))) + Y * (f.D / x.q)
     sigma4 = (X * f.drho + Y * f.dD) * inv_k

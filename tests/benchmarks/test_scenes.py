@@ -26,7 +26,7 @@ def test_verdicts_beyond_the_vertical(benchmark, by):
     found, expected = np.empty((2, 4096), np.int8)
 
     def judged(barriers, codes):
-        membership.membership_batch(states.natural, False, barriers, disk.whole, disk.natural, out, codes)
+        membership.membership_batch(states.natural, False, barriers, disk.natural, out, codes)
 
     benchmark(judged, obstacle(disk) if by == "series" else exact, found)
     judged(exact, expected)

@@ -27,7 +27,8 @@ def motion(disk, sigma3_bar, eta_hat, phidot, **more):
 def test_series_are_those_of_python(javascript, body):
     code = f"row => {{ const made = {BODY}; return [made.rows.map(r => Array.from(r)), made.r0, made.dr0]; }}"
     rows, r0, dr0 = javascript(code, {"I1": body.body.I1, "I3": body.body.I3})
-    assert np.allclose(rows, body.natural.series, rtol=0.0, atol=1e-13 * abs(body.natural.series).max())
+    ours = np.asarray(body.natural.series)
+    assert np.allclose(rows, ours, rtol=0.0, atol=1e-13 * abs(ours).max())
     assert [r0, dr0] == pytest.approx([body.body.r0, body.body.dr0], rel=1e-14)
 
 

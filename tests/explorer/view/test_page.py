@@ -34,7 +34,8 @@ def test_the_page_begins_with_the_motion_and_the_series_of_python():
     }
     given = data["bodies"][-1]
     assert (given["label"], given["inner"]) == ("mine", None)
-    assert given["series"] == {"rows": disk.natural.series.tolist(), "r0": disk.body.r0, "dr0": disk.body.dr0}
+    rows = [list(row) for row in disk.natural.series]
+    assert given["series"] == {"rows": rows, "r0": disk.body.r0, "dr0": disk.body.dr0}
 
 
 @pytest.mark.parametrize(

@@ -58,7 +58,7 @@ def test_a_barrier_is_a_critical_point_and_there_is_none_without_a_well():
 def could_fall(disk, states, motion, barriers):
     """Whether states could fall on face +1 and on face -1, their constants given."""
     codes = np.empty(states.shape[1], np.int8)
-    call = barriers, disk.whole, disk.natural, np.stack(motion), codes
+    call = barriers, disk.natural, np.stack(motion), codes
     membership.membership_batch(states, True, *call)
     return np.array([(codes & bit) != 0 for bit in (membership.COULD_PLUS, membership.COULD_MINUS)])
 
