@@ -44,7 +44,7 @@ def test_states_of_the_measure_are_distributed_as_before_and_others_are_not(monk
     assert good.p_value > 0.01
     # The measure times cos(phi) is not invariant.
     right = invariance.energy_density
-    wrong = partial(replace, function=lambda phi, *_: np.cos(phi))
+    wrong = partial(replace, weight=lambda phi, *_: np.cos(phi))
     monkeypatch.setattr(invariance, "energy_density", lambda *given: wrong(right(*given)))
     bad = ex.push_forward(disk, 4.0, 20_000, rng=2)
     assert bad.p_value < 1e-6
