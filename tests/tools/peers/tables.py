@@ -127,7 +127,7 @@ def loop_in_words():
     return (
         "C++: `tests/tools/peers/fixed_steps.cpp` has our Runge-Kutta coefficients and our equations, for several"
         " motions side by side (in lanes). It is compiled with"
-        f" `{' '.join(cpp.options(False)[1:])}` (strict: its steps give the same bits as ours) or"
+        f" `{' '.join(cpp.options(False)[1:])}` (its steps differ from ours by rounding) or"
         " `-ffp-contract=fast`. It does not put its steps back onto the constants of motion. It locates no"
         " events: it is told the s at which each motion ends."
     )
