@@ -129,9 +129,9 @@ def falling_constant(
     thousandfold. `probability` tests this: its `law.holds_below` is the delta below which the law holds.
 
     The integrals are means over 2^20 points of a scrambled Sobol sequence, the same in every call. `error` comes
-    from its 16 scrambles: in 93 cases of 100, C is within two errors. For ranges and other
-    distributions the error is mostly below 1e-6 of C, for ranges of energy below 1e-3. It is larger for a function
-    that is large only in a small part of the box: shrink the box to this part.
+    from its 16 scrambles: in 93 cases of 100, C is within two errors. For ranges and other distributions the error
+    is mostly below 1e-6 of C, for ranges of energy below 1e-3. It is larger for a function that is large only in a
+    small part of the box: shrink the box to this part.
 
     References
     ----------

@@ -95,7 +95,7 @@ def cosine(x: float) -> float:
 
 @device
 def sine_cosine(x: float) -> tuple[float, float]:
-    """(sin x, cos x) to rounding and to what x is known to; not contracted, so alike in and out of lanes."""
+    """(sin x, cos x) to rounding and to what x is known to."""
     turns = (x * _INV_RIGHT + _WHOLE) - _WHOLE
     rest = (x - turns * _RIGHT) - turns * _RIGHT_REST
     quarter = turns - 4.0 * (((0.25 * turns - 0.375) + _WHOLE) - _WHOLE)

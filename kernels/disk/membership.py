@@ -28,6 +28,7 @@ from kernels.disk.falling import (
     Obstacle,
     passes_barrier,
     potential_above_flat,
+    potential_at_flat,
     rates_on_f,
     reaches_flat,
     tilt,
@@ -79,7 +80,7 @@ def judge(W: Vector, b: Body) -> bool:
     for i in range(LANES):
         q, z, E = W[Q * LANES + i], W[Z * LANES + i], W[_ENERGY * LANES + i]
         X = W[_SIGMA3_BAR * LANES + i] / b.r0
-        V0, _spin = potential_above_flat(0.0, X / b.k, 0.0, 0.0, b)
+        V0 = potential_at_flat(X, b)
         near, far = X * X * W[_NEAR * LANES + i] + q, X * X * W[_FAR * LANES + i] + q
         other = verdict(E, V0, far, _BEYOND if z != 0.0 else PASSES)
         W[_NEAR * LANES + i], W[_FAR * LANES + i] = verdict(E, V0, near, PASSES), other
