@@ -48,9 +48,9 @@ def passage_report(start: Start) -> dict[str, Any]:
     disk, at = start.disk, (start.sigma3_bar, start.eta_hat, start.phidot)
     how: dict[str, Any] = {"method": start.method, "accuracy": start.accuracy, "window": start.window}
     made = passages(disk, *at, start.face, **how)
-    status = compiled.status.Status(int(made.status[0]))
+    status = compiled.status.Status(int(made.status))
     report: dict[str, Any] = {"disk": disk.name, "face": start.face, "status": status.name.lower()}
-    report |= {name: getattr(made, name)[0] for name in _NUMBERS}
+    report |= {name: getattr(made, name) for name in _NUMBERS}
     report |= {"method": made.method, "model": made.model, "accuracy": start.accuracy, "warnings": []}
     if status == compiled.status.Status.FALLS:  # what the passage tends to from each side
         report["limits"] = {
@@ -63,7 +63,7 @@ def passage_report(start: Start) -> dict[str, Any]:
         }
     elif status == compiled.status.Status.OK:
         forces = passage_forces(disk, *at)
-        normal, friction = (float(values[0]) for values in (forces.min_normal_force, forces.max_friction))
+        normal, friction = float(forces.min_normal_force), float(forces.max_friction)
         report |= {
             "min_normal_force": normal,
             "max_friction": friction,

@@ -101,12 +101,12 @@ def flow_stretch(states: States, steps: int = 200, step: float = 0.05) -> Stretc
     --------
     >>> import explorer as ex
     >>> stretch = ex.flow_stretch(ex.phi_to_states(ex.Disk.uniform(), 0.3, 1.0, 1.0, 0.7))
-    >>> round(float(stretch.determinant[0]), 9)
+    >>> round(float(stretch.determinant), 9)
     1.0
     """
     require_states(states)
     steps, step = whole("steps", steps, 1, 2**31 - 1), positive("step", step, 1.0)
-    n, disk, code = len(states), states.disk, compiled.status.Status
+    n, disk, code = states.size, states.disk, compiled.status.Status
     matrix, time = np.empty((n, 4, 4)), np.empty(n)
     for rows in blocks(n, max(1, _STEPS_AT_ONCE // steps)):
         start, ends = np.ascontiguousarray(states.natural[:, rows]), np.empty((6, rows.stop - rows.start))
@@ -115,7 +115,7 @@ def flow_stretch(states: States, steps: int = 200, step: float = 0.05) -> Stretc
     with np.errstate(all="ignore"):
         determinant, size = np.linalg.det(matrix), abs(matrix).max(axis=(1, 2), initial=0.0)
     finite = np.isfinite(time) & np.isfinite(determinant) & np.isfinite(size)
-    status = np.where((states.status == code.OK) & ~finite, code.NOT_FINITE, states.status).astype(np.int8)
+    status = np.where((states.codes == code.OK) & ~finite, code.NOT_FINITE, states.codes).astype(np.int8)
     for found in (time, matrix, determinant, size):
         found[status != code.OK] = np.nan
     return Stretch(time, matrix, determinant, 2.2e-16 * steps * size, status, states).reshaped(states.shape)

@@ -262,7 +262,7 @@ def _seen(
             f"event: returned {shown(given)} for bounces of shape {found.shape}; return a bool for each state, "
             "or for each of its bounces"
         )
-    hit = given.reshape(len(states), -1).any(axis=1)
+    hit = given.reshape(states.size, -1).any(axis=1)
     # Of a fall nothing but theta_min is known, and with it an event that is true.
     known = (found.status == code.OK).all(axis=-1) | (falls.any(axis=-1) & hit)
     return known & hit, ~known

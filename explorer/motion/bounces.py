@@ -152,14 +152,14 @@ def bounces(
     require_states(states)
     require_axial_inertia(states.disk)
     count, jobs = whole("count", count, 1, MOST), jobs_of("jobs", jobs)
-    if count * len(states) > _MOST_ROWS:
-        raise InputError(f"count = {count} for {len(states):,} states; give up to {_MOST_ROWS:,} bounces at once")
+    if count * states.size > _MOST_ROWS:
+        raise InputError(f"count = {count} for {states.size:,} states; give up to {_MOST_ROWS:,} bounces at once")
     how = plan(("race_angle",), accuracy, method)
 
     found = of_motions(states, jobs, lambda some: _bounces(some, count, how))
-    rows = np.arange(len(states))[:, None] + 0 * found.bounce
+    rows = np.arange(states.size)[:, None] + 0 * found.bounce
     numbers = np.arange(count) + 0 * found.bounce
-    return replace(found, row=rows, bounce=numbers, states=states).reshaped((*states.shape, count))
+    return replace(found, row=rows, bounce=numbers, states=states).reshaped(states.shape)
 
 
 def motion_constants(found: Bounces) -> dict[str, NDArray[Any]]:

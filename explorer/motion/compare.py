@@ -112,7 +112,7 @@ def compare(
     if len(asked) < 2:
         raise InputError(f"methods = {', '.join(asked) or 'none'}: give two or more different ones")
     found, seconds = dict[str, Bounces](), dict[str, float]()
-    first = require_states(states)[:1]
+    first = require_states(states).at(slice(1))
     for method in asked:
         bounces(first, 1, accuracy=accuracy, method=method)  # so that no time is that of loading code
         began = time.perf_counter()

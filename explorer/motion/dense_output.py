@@ -47,10 +47,10 @@ class Outcome(NamedTuple):
 
 def motions(states: States, how: Plan, chi0: float, max_steps: int) -> InitialValues:
     """The motions through `states`, as they are before they are followed."""
-    initial = np.zeros((10, len(states)))
+    initial = np.zeros((10, states.size))
     initial[:5] = states.natural
     initial[compiled.field.ROW.chi] = chi0
-    control = np.full(len(states), how.control)
+    control = np.full(states.size, how.control)
     if how.level == PATH and not how.adaptive:
         control = np.fmin(control, compiled.attempt.MOST_TURNED / states.disk.kappa)
     status = status_at_start(states)

@@ -45,7 +45,7 @@ class Forces(Result):
     --------
     >>> import explorer as ex
     >>> ex.passage_forces(ex.Disk.uniform(), 1.0, 0.01, 1.0).max_friction
-    array([inf])
+    np.float64(inf)
     """
 
     disk: Disk
@@ -90,7 +90,7 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     --------
     >>> import explorer as ex
     >>> ex.passage_forces(ex.Disk.uniform(), 1.0, 0.01, 1.0).min_normal_force.round(2)
-    array([-0.97])
+    np.float64(-0.97)
     """
     (bar, eta, speed), shape = read_columns(sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot)
     starts = starts_at_vertical(disk, bar, eta, speed, np.ones_like(bar))

@@ -229,9 +229,9 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     disk = states.disk
     require_axial_inertia(disk)
     side = sign("side", side)
-    if len(states) != 1:
-        raise InputError(f"state_on_f: takes one state, {len(states)} were given; choose one, as in states[0]")
-    where, motion = falls(states[:]), states.motion
+    if states.size != 1:
+        raise InputError(f"state_on_f: takes one state, {states.size} were given; choose one, as in states[0]")
+    where, motion = falls(states.flat), states.motion
     if not bool(where.could_fall[0]):
         raise InputError(
             "state_on_f: the disk would not fall from this state whatever eta is; choose one with "

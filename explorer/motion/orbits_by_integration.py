@@ -25,7 +25,7 @@ def integrated_orbits(states: States, own: Array, ends: Ends, how: Plan) -> tupl
     comes to the vertical is followed from there to each face, another one from its state to both turning points.
     What could not be followed has infinite errors.
     """
-    n, finer = len(states), replace(how, accuracy=_OF_ARC * how.accuracy)
+    n, finer = states.size, replace(how, accuracy=_OF_ARC * how.accuracy)
     # Of a small swing, and of how near a motion comes to rest at a crest, steps have to err by a share.
     small = np.fmin(ends.width, ends.slowest)
     turns = turning_points_around(states, finer, swing=small)

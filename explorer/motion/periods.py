@@ -54,7 +54,7 @@ class Periods(Result):
     >>> import explorer as ex
     >>> disk = ex.Disk.uniform()
     >>> ex.periods(ex.phi_to_states(disk, 0.3, 0.0, 0.5, 0.2)).crosses
-    array([False])
+    np.False_
     """
 
     period: Array
@@ -102,7 +102,7 @@ def periods(states: States, *, accuracy: float = 1e-6, jobs: int = 1, method: st
     >>> import explorer as ex
     >>> states = ex.constants_to_states(ex.Disk.uniform(), 1.0, 0.01, 1.0)
     >>> ex.periods(states, accuracy=1e-9).period.round(6)
-    array([3.530913])
+    np.float64(3.530913)
     """
     require_axial_inertia(require_states(states).disk)
     how = plan(("period",), accuracy, method)

@@ -122,6 +122,6 @@ def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HA
     states = theta_to_states(disk, theta_0, speed * unit, eta / b.I1 * unit, 0.0)
     # The eta of these states is meant: its rounding shifts the turn by no more than terms of order theta_0.
     motion = states.motion._replace(rounding_plus=0.0 * ratio, rounding_minus=0.0 * ratio)
-    found = periods(replace(states, given=motion), accuracy=_ACCURACY)
+    found = periods(replace(states.flat, given=motion), accuracy=_ACCURACY)
     above = (found.energy / disk.energy_unit - energy_at_flat(disk.body, motion.sigma3_bar)) / (1.5 * theta_0)
     return Rocking(disk, above, found.chi, found.theta_min, found.period, found.status, theta_0).reshaped(shape)

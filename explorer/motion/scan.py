@@ -16,7 +16,7 @@ from explorer.motion.threads import in_parts
 from explorer.phase.arguments import returned_numbers
 from explorer.phase.constants import constants
 from explorer.phase.falling_set import falls
-from explorer.phase.results import Table
+from explorer.phase.results import Table, in_shape
 from explorer.phase.states import COORDINATES, States, require_states
 
 _MOST_BATCH = 10**9  # states; more than memory holds
@@ -69,7 +69,7 @@ class Scan(Table):
         return self.states.shape
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
-        return self.values
+        return {name: np.asarray(values) for name, values in self.values.items()}
 
     @overload
     def __getitem__(self, key: str) -> NDArray[Any]: ...
@@ -141,7 +141,7 @@ def scan(states: States, observable: Observable, *, jobs: int = 1, batch: int = 
     require_states(states)
     jobs, batch = jobs_of("jobs", jobs), whole("batch", batch, 1, _MOST_BATCH)
     call, alone = _function_of(observable)
-    blocks = max(1, -(-len(states) // batch))
+    blocks = max(1, -(-states.size // batch))
     with tqdm(desc=alone, total=blocks, disable=None, delay=_PATIENCE, leave=False) as bar:  # on a terminal
 
         def checked(rows: slice) -> dict[str, NDArray[Any]]:
@@ -149,10 +149,9 @@ def scan(states: States, observable: Observable, *, jobs: int = 1, batch: int = 
             bar.update()
             return found
 
-        found = in_parts(jobs, len(states), checked, batch)
+        found = in_parts(jobs, states.size, checked, batch)
     whole_arrays = {name: np.concatenate([part[name] for part in found]) for name in found[0]}
-    shape = states.shape
-    return Scan(states, {name: each.reshape(*shape, *each.shape[1:]) for name, each in whole_arrays.items()})
+    return Scan(states, {name: in_shape(each, states.shape) for name, each in whole_arrays.items()})
 
 
 def _function_of(observable: Any) -> tuple[Callable[[States], Any], str]:
@@ -168,7 +167,7 @@ def _function_of(observable: Any) -> tuple[Callable[[States], Any], str]:
 
     def by_name(part: States) -> dict[str, NDArray[Any]]:
         results = {call: call(part) for call in {OBSERVABLES[name] for name in names}}
-        return {name: np.reshape(getattr(results[OBSERVABLES[name]], name), len(part)) for name in names}
+        return {name: np.reshape(getattr(results[OBSERVABLES[name]], name), part.size) for name in names}
 
     return by_name, ", ".join(names)
 
@@ -184,9 +183,9 @@ def _checked(observable: Callable[[States], Any], part: States, alone: str) -> d
                 f"and none of {', '.join(_TAKEN)}"
             )
         arrays[name] = returned_numbers("observable", values)
-        if arrays[name].shape[:1] != (len(part),):
+        if arrays[name].shape[:1] != (part.size,):
             raise InputError(
-                f"observable: the function returned {name!r} of shape {arrays[name].shape} for {len(part)} "
+                f"observable: the function returned {name!r} of shape {arrays[name].shape} for {part.size} "
                 "states; return one entry for each state"
             )
     return arrays

@@ -27,8 +27,8 @@ def status_at_start(states: States, sided: bool = True) -> NDArray[np.int8]:
     near = motion.nearer_plus
     unresolved = motion.rounding(near) >= _RESOLVED * abs(motion.eta(near))
     if not (states.disk.body.I3 > 0.0 and unresolved.any()):
-        return states.status.copy()
-    found = falls(states[:])
+        return states.codes.copy()
+    found = falls(states.flat)
     unknown = sided & unresolved & found.could_fall & ~found.on_f & (found.status == code.OK)
     return np.where(unknown, code.UNRESOLVED_SIDE, found.status).astype(np.int8)
 

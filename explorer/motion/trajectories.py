@@ -27,7 +27,7 @@ from explorer.motion.integration import MAX_STEPS, InitialValues
 from explorer.motion.plan import Plan, plan
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
-from explorer.phase.results import WithStatus
+from explorer.phase.results import WithStatus, in_shape, length_of
 from explorer.phase.states import Array, States, require_states
 
 ALL = ("phi", "chi", "psi", "path", "contact")  # what simulate gives where nothing else is asked for
@@ -43,40 +43,41 @@ _COARSE = 0.5 * np.pi  # rad of chi between two times, beyond which a curve is n
 class Trajectories(WithStatus):
     """Motions in time, in the units of the disk: what `simulate` returns. Call it with times.
 
+    Arrays have the shape of the states, written ... here, and own axes behind it; of a single state these alone.
     An observable that was not asked for is None. A motion that failed, or falls, is NaN with its status.
 
     Attributes
     ----------
-    t : (n, nt) or (nt,) array
+    t : (..., nt) or (nt,) array
         Times. Without t_eval each motion has its own times; `lengths` says how many. After them, the row of a
         motion is filled with its last time, and in all other arrays with its last value, so that whole rows can be
         drawn. With t_eval, the times given there.
-    phi : (n, nt) array or None
+    phi : (..., nt) array or None
         Angle to the vertical (rad), -pi/2 to pi/2.
-    tilt : (n, nt) array or None
+    tilt : (..., nt) array or None
         Angle of the disk's plane to the table (rad), 0 to pi/2: from the nearer of the two flat states. Small
         angles keep all their digits.
-    phidot, sigma3, sigma4 : (n, nt) array or None
+    phidot, sigma3, sigma4 : (..., nt) array or None
         Rates of eq. (2.14), units of the disk.
-    chi, psi : (n, nt) array or None
+    chi, psi : (..., nt) array or None
         Contact angles in space and in the body (rad); chi starts at `chi0` and psi at 0.
-    path, contact : (n, nt, 3) array or None
+    path, contact : (..., nt, 3) array or None
         Centre of mass and contact point, in the unit of length. The centre starts above the origin.
-    status : (n,) array of int8
+    status : array of int8
         `Status` of each motion. A motion also has STEP_TOO_SMALL if its path grows so fast, by thousands of r in a
         unit of time, that rounding alone moves it by more than the accuracy asked.
-    steps : (n,) array of int32
+    steps : array of int32
         Attempted steps of the integrator.
-    constants_error : (3, n) array
+    constants_error : (..., 3) array
         How far the constants moved: energy (relative), sigma3_bar and eta (natural units).
-    error_estimate : (n,) array
+    error_estimate : array
         The larger of the errors of the angles (rad) and of the path (r) at the end. It is estimated from three
         things: how far steps were moved to hold the constants; how fast chi turns at the end, since inside a race
         a small error of the time is a large one of chi; and the rounding of a long path. If rounding keeps a path
         from the accuracy asked, the estimate says which accuracy can be reached. Motions that may err by more than
         was asked are followed again by finer steps. Where the constants do not reveal the error, as with I3 = 0,
         in fast spins and after many periods, the motion is integrated twice and the two results are compared.
-    lengths : (n,) array of int
+    lengths : array of int
         Number of times in the row of each motion; 0 where the status is not OK.
     t_end : float
         The last time at which it can be called.
@@ -120,12 +121,17 @@ class Trajectories(WithStatus):
         """The names of those that were asked for."""
         return tuple(name for name in (*_OTHERS, *ALL) if getattr(self, name) is not None)
 
-    def __len__(self) -> int:
-        """Number of motions."""
-        return int(self.status.size)
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape of the states."""
+        return self.states.shape
 
-    def __getitem__(self, rows: Any) -> Trajectories:
-        """Some of the motions. Index as you would a flat array: by a number, a slice, a mask or a list of numbers.
+    def __len__(self) -> int:
+        """Number of entries along the first axis of the states."""
+        return length_of(self.shape)
+
+    def __getitem__(self, key: Any) -> Trajectories:
+        """Some of the motions. Index as you would an array of the states' shape: by numbers, slices or masks.
 
         Examples
         --------
@@ -134,19 +140,21 @@ class Trajectories(WithStatus):
         >>> ex.simulate(states, t_eval=[0.0, 1.0])[1:].phi.shape
         (2, 2)
         """
-        places, records = np.atleast_1d(np.arange(len(self))[rows]), self._records
-        each = ["status", "steps", "error_estimate", "lengths", *self.observables]
+        size, records = self.states.size, self._records
+        places = np.asarray(np.arange(size).reshape(self.shape)[key])
+        each = ["status", "steps", "constants_error", "error_estimate", "lengths", *self.observables]
         # Where curves have times of their own, they have as many as they have tilts.
         first = getattr(self, self.observables[0])
         if self.t.shape == first.shape[: first.ndim - (self.observables[0] in _VECTORS)]:
             each.append("t")
+        arrays = {name: np.asarray(getattr(self, name)) for name in each}
+        flat = {name: values.reshape(size, *values.shape[len(self.shape) :]) for name, values in arrays.items()}
         return replace(
             self,
-            **{name: getattr(self, name)[places] for name in each},
-            constants_error=self.constants_error[:, places],
-            states=self.states.at(places),
-            _start=self._start.at(places),
-            _records=records and records.at(places),
+            **{name: values[places] for name, values in flat.items()},
+            states=self.states[key],
+            _start=self._start.at(places.ravel()),
+            _records=records and records.at(places.ravel()),
         )
 
     def __call__(self, t: ArrayLike) -> Trajectories:
@@ -168,7 +176,7 @@ class Trajectories(WithStatus):
         Returns
         -------
         Trajectories
-            The same observables, arrays (n, ...) with the shape of t.
+            The same observables, arrays with the shape of the states and behind it that of t.
 
         Raises
         ------
@@ -186,14 +194,14 @@ class Trajectories(WithStatus):
             found = dense_output.sample(self._start, order * disk.rate_unit, self._jobs)[0]
         else:
             found = dense_output.between(self._start, self._records, order)
-        at = np.moveaxis(found[:, places].reshape(len(self), *shape, 10), -1, 0)
-        lengths = np.where(self.lengths > 0, times.size, 0)
+        at = np.moveaxis(found[:, places].reshape(*self.shape, *shape, 10), -1, 0)
+        lengths = np.where(self.lengths > 0, times.size, 0)[()]
         return replace(self, t=times.reshape(shape), **_observables(disk, at, self.observables), lengths=lengths)
 
     def __repr__(self) -> str:
         times = np.atleast_1d(self.t).shape[-1]
         return (
-            f"Trajectories of {len(self):,} motion(s) to t = {self.t_end:g}, {times:,} time(s)\n"
+            f"Trajectories of {self.states.size:,} motion(s) to t = {self.t_end:g}, {times:,} time(s)\n"
             f"  status: {self._counted()}\n"
             f"  observables: {', '.join(self.observables)}"
         )
@@ -269,7 +277,7 @@ def simulate(
     >>> states = ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, 1.0, 0.7)
     >>> motion = ex.simulate(states, t_end=4.0, accuracy=1e-9)
     >>> bool(abs(np.diff(motion.chi)).max() < 0.2), motion([2.0, 4.0]).phi.round(4)
-    (True, array([[0.2749, 0.5152]]))
+    (True, array([0.2749, 0.5152]))
     """
     require_states(states)
     end, times = _times(t_end, t_eval)
@@ -319,8 +327,13 @@ def _followed(
         lengths = np.where(outcome.status == compiled.status.Status.OK, times.size, 0)
         if warns and set(names) & set(_TURNING):
             _warn_of_races(abs(np.diff(found[rows.chi])).max(axis=1, initial=0.0))
-    known = {**values, **outcome._asdict(), "lengths": lengths, "t_end": end, "states": states}
-    return Trajectories(times, **known, _start=start, _records=records, _jobs=jobs)
+    if records is not None:
+        times = in_shape(times, states.shape)
+    known = {**values, **outcome._asdict(), "constants_error": outcome.constants_error.T, "lengths": lengths}
+    each: dict[str, Any] = {
+        name: None if value is None else in_shape(value, states.shape) for name, value in known.items()
+    }
+    return Trajectories(times, **each, t_end=end, states=states, _start=start, _records=records, _jobs=jobs)
 
 
 def _times(t_end: float | None, t_eval: ArrayLike | None) -> tuple[float, Array | None]:

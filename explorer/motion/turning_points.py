@@ -62,9 +62,9 @@ def turning_points(
     """
     given = integration.InitialValues(
         *(states.disk, how, states.natural, states.motion, status_at_start(states)),
-        np.full(len(states), how.control),
+        np.full(states.size, how.control),
     )
-    amplified, small = np.ones(len(states)), np.fmin(swing, np.ones(len(states)))
+    amplified, small = np.ones(states.size), np.fmin(swing, np.ones(states.size))
     if how.adaptive:
         given = given.finer(small)
     if not tilts_only:

@@ -53,7 +53,7 @@ class Wander(Result):
     >>> import explorer as ex
     >>> beside = ex.constants_to_states(ex.Disk.uniform(), 0.7, 0.05, 1.0)
     >>> found = ex.wander(beside)
-    >>> bool(abs(found.after(1)[0, 1]) == abs(found.step[0]))
+    >>> bool(abs(found.after(1)[1]) == abs(found.step))
     True
     """
 
@@ -107,10 +107,11 @@ def wander(states: States) -> Wander:
     (True, array([0, 0], dtype=int8))
     """
     require_axial_inertia(require_states(states).disk)
-    each = periods(states[:], accuracy=_ACCURACY)
-    shift, status = np.full((len(states), 3), np.nan), each.status.copy()
+    each = periods(states.flat, accuracy=_ACCURACY)
+    shift, status = np.full((states.size, 3), np.nan), each.status.copy()
     for row in np.flatnonzero(each.ok).tolist():
-        moved = simulate(states[row], t_eval=each.period[[row]], observables=("path",), accuracy=_ACCURACY)
+        one, period = states.at(np.array([row])), each.period[[row]]
+        moved = simulate(one, t_eval=period, observables=("path",), accuracy=_ACCURACY)
         assert moved.path is not None
         shift[row], status[row] = (*moved.path[0, 0, :2], 0.0), moved.status[0]
     followed = status == compiled.status.Status.OK
@@ -152,7 +153,7 @@ def resonance(
     --------
     >>> import explorer as ex
     >>> bar, start = ex.resonance(ex.Disk.uniform(), 0.01, 1.0, turns=2, between=(0.1, 0.3))
-    >>> chi = ex.periods(start).chi[0]
+    >>> chi = ex.periods(start).chi
     >>> print(f"{bar:.3f}: {chi / 6.283185307179586:.6f} turns")
     0.201: 2.000000 turns
     """
@@ -161,7 +162,7 @@ def resonance(
     def excess(sigma3_bar: float) -> float:
         period = periods(constants_to_states(disk, sigma3_bar, eta_hat, phidot), accuracy=_ACCURACY)
         require_ok(period, f"between: no period at sigma3_bar = {sigma3_bar:g}; give another range")
-        return float(period.chi[0]) / (2.0 * math.pi) - whole_turns
+        return float(period.chi) / (2.0 * math.pi) - whole_turns
 
     require_axial_inertia(disk)
     eta_hat, phidot = number("eta_hat", eta_hat), number("phidot", phidot)
@@ -233,21 +234,22 @@ def wander_path(states: States, count: int) -> WanderPath:
     --------
     >>> import explorer as ex
     >>> path = ex.wander_path(ex.constants_to_states(ex.Disk.uniform(), 0.7, 0.05, 1.0), 3)
-    >>> print(f"{path.t[-1] / path.wander.period[0]:.1f} periods")
+    >>> print(f"{path.t[-1] / path.wander.period:.1f} periods")
     3.0 periods
     """
-    if len(require_states(states)) != 1:
+    if require_states(states).size != 1:
         raise InputError(
-            f"states: wander_path follows one motion, {len(states)} were given; choose one, as in states[0]"
+            f"states: wander_path follows one motion, {states.size} were given; choose one, as in states[0]"
         )
     count = whole("count", count, 1, _MOST_PERIODS)
-    each = wander(states)
+    one = states.reshaped(())
+    each = wander(one)
     require_ok(each, "states: no period, or no path")
-    rounds = float(each.period[0]) * np.arange(count + 1)
-    course = simulate(states, rounds[-1], observables=("path", "contact"), accuracy=_ACCURACY)
+    rounds = float(each.period) * np.arange(count + 1)
+    course = simulate(one, rounds[-1], observables=("path", "contact"), accuracy=_ACCURACY)
     require_ok(course, "states: no path")
-    t = np.union1d(course.t[0], rounds)
+    t = np.union1d(course.t, rounds)
     at = course(t)
     assert at.path is not None
     assert at.contact is not None
-    return WanderPath(states.disk, t, at.contact[0, :, :2], at.path[0, :, :2], each, count)
+    return WanderPath(states.disk, t, at.contact[:, :2], at.path[:, :2], each, count)

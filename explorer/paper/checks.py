@@ -121,7 +121,7 @@ def observed(
     """
     states = start if isinstance(start, States) else phi_to_states(disk, *start)
     how, at = plan(names, accuracy, "dop853"), np.asarray(times, np.float64)
-    run = trajectories_by(states, how, at, names, chi0)
+    run = trajectories_by(states.flat, how, at, names, chi0)
     return [getattr(run, name) for name in names]
 
 

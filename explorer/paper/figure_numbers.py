@@ -48,16 +48,16 @@ def by_quadrature(disk: Disk, eta_hat: float) -> Row:
     state = start(disk, eta_hat)
     whole = periods(state, accuracy=_ACCURACY)
     falling = passages(disk, SIGMA3, eta_hat, PHIDOT, accuracy=_ACCURACY)
-    tau = float(whole.period[0])
+    tau = float(whole.period)
     sigma4 = float(state.rows.sigma4[0])
     plain = integrate(disk, (0.0, PHIDOT, SIGMA3, sigma4), np.array([0.0, tau]))
     return Row(
-        energy=float(whole.energy[0]),
-        impact_speed=float(falling.impact_speed[0]),
+        energy=float(whole.energy),
+        impact_speed=float(falling.impact_speed),
         tau=tau,
-        chi=float(whole.chi[0]),
-        psi=float(whole.psi[0]),
-        theta_min=float(whole.theta_min[0]),
+        chi=float(whole.chi),
+        psi=float(whole.psi),
+        theta_min=float(whole.theta_min),
         travel=float(np.hypot(*(plain.a[-1] - plain.a[0])[:2])),
     )
 
@@ -68,7 +68,7 @@ def by_integration(disk: Disk, eta_hat: float) -> Row:
     def at(times: Any) -> Any:
         return followed(disk, start(disk, eta_hat), times, _ACCURACY)
 
-    guess = periods(start(disk, eta_hat), accuracy=1e-6).period
+    guess = np.atleast_1d(periods(start(disk, eta_hat), accuracy=1e-6).period)
     for _ in range(2):  # Newton's steps
         end = at(guess)
         guess = guess - end.phi / end.phidot

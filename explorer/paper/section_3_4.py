@@ -107,7 +107,7 @@ def amended_potential() -> Iterator[Finding]:
     for disk, state, A, omega in random_ones(11, 60, 1.1):
         M = disk.I1 + disk.m * disk.r**2
         given = constants(phi_to_states(disk, *state))
-        bar3, bar4, z = given.sigma3_bar[0], given.sigma4_bar[0], np.sin(state[0])
+        bar3, bar4, z = given.sigma3_bar, given.sigma4_bar, np.sin(state[0])
         E = plain.full_energy(disk, A[2], omega)
         energies.append((0.5 * M * state[1] ** 2 + amended(disk, bar3, bar4, z)) / E - 1.0)
         slope = amended(disk, bar3, bar4, z + 1j * _STEP).imag / _STEP * np.cos(state[0])
@@ -160,7 +160,7 @@ def period() -> Iterator[Finding]:
         swing = Swing(disk, state)
         tau = swing.period()
         moments = turns(disk, state, 1.6 * tau)
-        by_explorer = periods(phi_to_states(disk, *state), accuracy=1e-12).period[0]
+        by_explorer = periods(phi_to_states(disk, *state), accuracy=1e-12).period
         times = np.linspace(0.0, 0.6 * unit, 5)
         phi = followed(disk, state, times).phi
         found = [swing.time(phi[0], angle) for angle in phi]
@@ -247,7 +247,7 @@ def pendulum() -> Iterator[Finding]:
     for disk, expected in ((UNIFORM, (1.293920, 1.612452)), (HOOP, (1.325324, 1.527525))):
         times = [_falling_time(disk, end) for end in (0.5 * np.pi, 1.5)]
         fall = passages(disk, 0.0, 0.0, 1.0, accuracy=1e-11)
-        ours = np.array([fall.fall_time[0], fall.impact_speed[0]])
+        ours = np.array([fall.fall_time, fall.impact_speed])
         text = f"time of the fall and speed of impact from φ = 0, φ̇ = 1, {disk.name}, by the explorer"
         yield near(text, ours, expected, 5e-7, "half a unit of the last decimal given")
         gap = distance(ours, [times[0], _pace(0.5 * np.pi, disk)])
@@ -308,7 +308,7 @@ def _scaled(disk: Disk, state: Array) -> tuple[float, ...]:
     """(c, d, X, Y, z) of a state, constants by the explorer and eq. (4.9)."""
     c, d, b = parameters(disk)
     given = constants(phi_to_states(disk, *state))
-    X, Y = -disk.I1 * given.sigma3_bar[0] / (disk.I3 * b), given.sigma4_bar[0] / b
+    X, Y = -disk.I1 * float(given.sigma3_bar) / (disk.I3 * b), float(given.sigma4_bar) / b
     return c, d, X, Y, float(np.sin(state[0]))
 
 

@@ -158,9 +158,9 @@ def wronskian() -> Iterator[Finding]:
         r, dr = recessive(c, z, 2000)
         w = s4 / b * r + disk.I1 / (disk.I3 * b) * s3 * dr
         given = constants(phi_to_states(disk, *sample(disk)))
-        X, Y = -disk.I1 * given.sigma3_bar[0] / (disk.I3 * b), given.sigma4_bar[0] / b
+        X, Y = -disk.I1 * given.sigma3_bar / (disk.I3 * b), given.sigma4_bar / b
         r0, dr0 = (value.real for value in at_vertical(c))
-        start, unit = Y * r0 - X * dr0, given.eta_minus[0] / (disk.I3 * b)
+        start, unit = Y * r0 - X * dr0, given.eta_minus / (disk.I3 * b)
         return distance(w, w[0]), distance(w[0], start), distance(w[0] / unit, 1.0)
 
     change, apart, ratio = worst(gaps)

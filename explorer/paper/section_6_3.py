@@ -21,7 +21,7 @@ from explorer.phase.states import Array, phi_to_states
 def ending(disk: Disk, face: int) -> tuple[Array, plain.PlainMotion]:
     """The 8-dimensional motion at times 0.01 to 0.3 before it falls from the vertical with speed and σ̄₃ of 1."""
     tau = 0.155 + 0.145 * np.cos(np.pi * (np.arange(14) + 0.5) / 14)
-    impact = passages(disk, 1.0, 0.0, 1.0, face, accuracy=EXACT).fall_time[0]
+    impact = passages(disk, 1.0, 0.0, 1.0, face, accuracy=EXACT).fall_time
     return tau, plain.integrate(disk, upright(disk, 0.0, face), impact - tau)
 
 
@@ -56,7 +56,7 @@ def bang() -> Iterator[Finding]:
         yield near(text, at_impact(tau, phidot), wanted, 1e-8, _LIMIT, off)
         yield near(f"{where} exponent of the approach", approach(tau, phidot), 1.0, 0.1, _RATE)
     for disk, A in ((UNIFORM, 1.816042), (HOOP, 1.758017)):
-        speed = passages(disk, 1.0, 0.0, 1.0, accuracy=EXACT).impact_speed[0]
+        speed = passages(disk, 1.0, 0.0, 1.0, accuracy=EXACT).impact_speed
         yield near(f"{disk.name}: A by quadrature for the data of the figures", speed, A, 6e-7, "digits given")
 
 
@@ -91,7 +91,7 @@ def vectors_at_flat() -> Iterator[Finding]:
         tau, motion = ending(disk, face)
         psi, speed = (
             at_impact(tau, motion.psi),
-            face * passages(disk, 1.0, 0.0, 1.0, face, accuracy=EXACT).impact_speed[0],
+            face * passages(disk, 1.0, 0.0, 1.0, face, accuracy=EXACT).impact_speed,
         )
         spin = face * flat_spin(disk)
         hinge = np.array([np.cos(psi), np.sin(psi), 0.0])

@@ -207,8 +207,8 @@ def rates_of_the_race() -> Iterator[Finding]:
         yield near(f"{where} exponent of that in η", exponent(ETAS, away), 1.0, 0.08, _LOG)
         edges = np.array([1e-2, 1e-3, 1e-4])
         cut = [passages(disk, 1.0, 1e-8, 1.0, face, window=float(edge), accuracy=EXACT) for edge in edges]
-        lost = disk.kappa * np.pi - np.array([float(part.race_angle[0]) for part in cut])
-        want = 2.0 * disk.kappa * np.arcsin(cut[0].theta_min[0] / edges)
+        lost = disk.kappa * np.pi - np.array([float(part.race_angle) for part in cut])
+        want = 2.0 * disk.kappa * np.arcsin(cut[0].theta_min / edges)
         why = "terms of order η ln(1/η) = 2e-7"
         yield near(f"{where} race outside cos φ = 1e-2, 1e-3, 1e-4, η̂ = 1e-8", lost, want, 1e-6, why)
 
@@ -226,11 +226,11 @@ def race_angle() -> Iterator[Finding]:
             yield near(f"{where} race angle, integrator", by_steps.race_angle, exact.race_angle, 1e-8, why)
             deep = passages(disk, 1.0, sign * 1e-12, 1.0, accuracy=1e-12)
             want = sign * np.pi * np.sqrt(1.0 + 1.0 / disk.I1)
-            yield near(f"{where} race angle at η̂ = 1e-12", deep.race_angle[0], want, 1e-10, _LOG)
+            yield near(f"{where} race angle at η̂ = 1e-12", deep.race_angle, want, 1e-10, _LOG)
             small = sign * 10.0 ** -np.arange(4.0, 8.0)
             runs = passages(disk, 1.0, small, 1.0, accuracy=1e-13)
             lead = logarithmic(small * eta_per_eta_hat(disk), runs.race_angle - runs.limit)[0]
-            want = 2.0 / (disk.I1 * (disk.I1 + 1.0) * deep.impact_speed[0] ** 3)
+            want = 2.0 / (disk.I1 * (disk.I1 + 1.0) * deep.impact_speed**3)
             why = "η² ln²η, rounding 1e-13/η"
             yield near(f"{where} coefficient of η ln(1/η), over 2mgr/I₁MA³", lead / want, 1.0, 0.01, why)
 
@@ -270,10 +270,10 @@ def race_of_psi() -> Iterator[Finding]:
     for disk, eta_hat in ((UNIFORM, 0.01), (HOOP, -0.01), (THICK, 0.01)):
         whole, run = passages(disk, 1.0, eta_hat, 1.0, accuracy=EXACT), passage(disk, eta_hat)
         race = run.middle + run.theta_min / run.A * np.linspace(-20.0, 20.0, 160)
-        times = np.sort(np.concatenate([np.linspace(0.0, float(whole.duration[0]), 160), race]))
+        times = np.sort(np.concatenate([np.linspace(0.0, float(whole.duration), 160), race]))
         motion = plain.integrate(disk, upright(disk, eta_hat), times)
         grown = [motion.chi[-1] - motion.chi[0], motion.psi[-1] - motion.psi[0]]
-        want = np.array([whole.delta_chi[0], whole.delta_psi[0]])
+        want = np.array([whole.delta_chi, whole.delta_psi])
         why = "8-dimensional equations at 1e-12, amplified a hundredfold near flat"
         yield near(f"{disk.name}: Δχ, Δψ at η̂ = {eta_hat:g} in 8 dimensions", grown, want, 1e-9, why)
 
@@ -297,5 +297,5 @@ def same_for_all() -> Iterator[Finding]:
         yield near(f"{what} 40 of them integrated, η̂ = 1e-5", steps, runs[0].race_angle[:40], 1e-8, why)
         left = logarithmic(etas, width)[1]
         yield at_most(f"{what} misfit of a η ln(1/η) + b η to it, 1e-5 to 1e-9", left, 0.01, "η² ln²η, rounding")
-    race = [passages(Disk(I1=0.25, I3=i), 1.0, 1e-10, 1.0, accuracy=EXACT).race_angle[0] for i in (0.5, 0.3, 0.05)]
+    race = [passages(Disk(I1=0.25, I3=i), 1.0, 1e-10, 1.0, accuracy=EXACT).race_angle for i in (0.5, 0.3, 0.05)]
     yield near("I₁ = 1/4, I₃ = 0.5, 0.3, 0.05: race angle", race, np.pi * np.sqrt(5.0), 1e-7, _LOG)

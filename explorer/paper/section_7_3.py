@@ -58,14 +58,14 @@ def beside(disk: Disk, face: int, sign: int, eta_hat: float, sigma3_bar: float =
     whole = passages(disk, sigma3_bar, sign * eta_hat, 1.0, face, accuracy=EXACT)
     wait = np.sqrt(eta_hat)
     grid = np.array([-2.0, -1.0, 0.0, 1.0, 2.0]) * 0.02 * wait
-    times = 0.5 * whole.duration[0] + np.concatenate([grid - wait, grid + wait])
+    times = 0.5 * whole.duration + np.concatenate([grid - wait, grid + wait])
     run = followed(disk, near_the_line(disk, sign * eta_hat, face, sigma3_bar), times)
     weights = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / (12.0 * 0.02 * wait)
     at = [2, 7]
     chi, s3, s4, q, z = run.chi[at], run.sigma3[at], run.sigma4[at], np.cos(run.phi[at]), np.sin(run.phi[at])
     turning = (q * s4 - z * s3 / q - 1j * run.phidot[at]) * np.exp(1j * chi)
     return Bounce(
-        A=float(whole.impact_speed[0]),
+        A=float(whole.impact_speed),
         B=flat_spin(disk, sigma3_bar),
         chi=chi,
         nu=np.stack([turning.real, turning.imag, s3 + z * s4], axis=1),
@@ -110,7 +110,7 @@ def limits_of_nu() -> Iterator[Finding]:
             yield from vanishing(f"{where} {what}", row)
     for disk in (UNIFORM, THICK):
         other = beside(disk, 1, 1, 1e-3)
-        middle = 0.5 * passages(disk, 1.0, 1e-3, 1.0, accuracy=EXACT).duration[0]
+        middle = 0.5 * passages(disk, 1.0, 1e-3, 1.0, accuracy=EXACT).duration
         times = middle + np.sqrt(1e-3) * np.array([-1.0, 1.0])
         motion = plain.integrate(disk, upright(disk, 1e-3), times)
         text = f"{disk.name}: ν = Aω in 8 dimensions at η̂ = 1e-3, before and after"
@@ -120,7 +120,7 @@ def limits_of_nu() -> Iterator[Finding]:
 
 def _where_lemma_7_holds() -> Iterator[Finding]:
     """Lemma 7's stretch: sigma4 has its limit (7.20) already, and the race is not on."""
-    flat = 0.5 * passages(UNIFORM, 1.0, 1e-8, 1.0, accuracy=EXACT).duration[0]
+    flat = 0.5 * passages(UNIFORM, 1.0, 1e-8, 1.0, accuracy=EXACT).duration
     times = flat - np.geomspace(2e-2, 2e-3, 20)
     phi, sigma4 = (row[0] for row in observed(UNIFORM, near_the_line(UNIFORM, 1e-8), times, "phi", "sigma4"))
     s1 = np.sin(phi[abs(sigma4 - flat_spin(UNIFORM)) < 1e-2])
@@ -223,7 +223,7 @@ def _through_the_race(disk: Disk, eta_hat: float) -> tuple[Passages, Any]:
     """The passage, and the motion through the race on a grid as fine as the tilt is small."""
     whole = passages(disk, 1.0, eta_hat, 1.0, accuracy=EXACT)
     y = np.linspace(-5.0, 5.0, 401)
-    times = 0.5 * whole.duration[0] + whole.theta_min[0] / whole.impact_speed[0] * np.sinh(y)
+    times = 0.5 * whole.duration + whole.theta_min / whole.impact_speed * np.sinh(y)
     run = followed(disk, near_the_line(disk, eta_hat), times)
     for name in ("path", "contact"):
         velocity = np.gradient(getattr(run, name), times, axis=0, edge_order=2)
@@ -242,7 +242,7 @@ def bounded_rates() -> Iterator[Finding]:
         for eta_hat in _ETAS:
             whole, run = _through_the_race(disk, eta_hat)
             q, square = np.cos(run.phi), run.phidot**2 + (run.sigma3 / np.cos(run.phi)) ** 2
-            share.append(float((disk.I1 * square + disk.I3 * run.sigma4**2).max() / (2.0 * whole.energy[0])))
+            share.append(float((disk.I1 * square + disk.I3 * run.sigma4**2).max() / (2.0 * whole.energy)))
             most.append(float(np.sqrt(square + run.sigma4**2).max()))
             fastest.append(float(run.path_speed.max()))
             race.append(float((abs(run.sigma3) / q**2).max()))
@@ -261,13 +261,13 @@ def speed_of_the_contact_point() -> Iterator[Finding]:
         for eta_hat in _ETAS:
             whole, run = _through_the_race(disk, eta_hat)
             speed.append(float(run.contact_speed.max()))
-            excess = (disk.I1 + 1.0) * whole.impact_speed[0] ** 2  # 2 (E - V0), eq. (7.1)
+            excess = (disk.I1 + 1.0) * whole.impact_speed**2  # 2 (E - V0), eq. (7.1)
             ratio.append(speed[-1] * eta_hat * eta_per_eta_hat(disk) / excess)
         yield near(f"{disk.name}: exponent of its largest speed in η", exponent(_ETAS, speed), -1.0, 0.02, _LOG)
         why = "η ln(1/η); the difference quotient is good to 1e-4"
         yield near(f"{disk.name}: its largest speed over 2r(E−V₀)/|η|, η̂ = 1e-5", ratio[-1], 1.0, 1e-3, why)
     for disk, face in ((UNIFORM, 1), (UNIFORM, -1), (THICK, -1)):
-        middle = 0.5 * passages(disk, 1.0, 1e-3, 1.0, face, accuracy=EXACT).duration[0]
+        middle = 0.5 * passages(disk, 1.0, 1e-3, 1.0, face, accuracy=EXACT).duration
         times = middle + 0.03 * np.array([-1.0, 0.0, 1.0])
         motion = plain.integrate(disk, upright(disk, 1e-3, face), times)
         arm = motion.contact - motion.a
@@ -286,7 +286,7 @@ def many_turns() -> Iterator[Finding]:
     for ratio, halves in ((24.0, 5.0), (99.0, 10.0)):
         disk = planar(ratio)
         for sign in (1, -1):
-            race = passages(disk, 1.0, sign * 1e-6, 1.0, method="dop853", accuracy=1e-8).race_angle[0]
+            race = passages(disk, 1.0, sign * 1e-6, 1.0, method="dop853", accuracy=1e-8).race_angle
             what = f"mr²/I₁ = {ratio:g}, sgn η {sign:+d}: race angle, integrated, over π (η̂ = 1e-6)"
             yield near(what, race / np.pi, sign * halves, 1e-5, _LOG)
         _, run = _through_the_race(disk, 1e-5)
@@ -342,9 +342,9 @@ def two_sides() -> Iterator[Finding]:
             heading, want = [], []
             for eta in (eta_hat, -eta_hat):
                 whole = passages(disk, 1.0, eta, 1.0, accuracy=EXACT)
-                motion = plain.integrate(disk, upright(disk, eta), whole.duration)
+                motion = plain.integrate(disk, upright(disk, eta), np.atleast_1d(whole.duration))
                 heading.append(motion.v[-1, :2] @ [1.0, 1j])
-                want.append(float(whole.delta_chi[0]))
+                want.append(float(whole.delta_chi))
             off = abs(heading[0] / heading[1] - np.exp(1j * (want[0] - want[1])))
             why = "8-dimensional equations at 1e-12, amplified by 1/η"
             yield near(f"{disk.name}: A e₃ from both sides in 8 dimensions, η̂ = ±{eta_hat:g}", off, 0.0, 1e-8, why)

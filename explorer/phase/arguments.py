@@ -30,8 +30,8 @@ def read_columns(**named: ArrayLike) -> tuple[list[Array], tuple[int, ...]]:
     Returns
     -------
     list of (n,) arrays, and tuple of int
-        New flat columns of one length, and the shape to which the arguments broadcast; plain numbers count as
-        arrays of one entry.
+        New flat columns of one length, and the shape to which the arguments broadcast; () for plain numbers, of
+        which columns have one entry.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def read_columns(**named: ArrayLike) -> tuple[list[Array], tuple[int, ...]]:
     """
     arrays = [column(name, value) for name, value in named.items()]
     try:
-        shape = np.broadcast_shapes(*(array.shape for array in arrays)) or (1,)
+        shape = np.broadcast_shapes(*(array.shape for array in arrays))
     except ValueError:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(named, arrays, strict=True))
         raise InputError(f"shapes do not fit together: {shapes}; give arrays that broadcast") from None

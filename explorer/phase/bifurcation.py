@@ -89,7 +89,7 @@ def thresholds(disk: Disk) -> dict[str, dict[str, float]]:
     """Thresholds in closed form, and sigma3_bar* of the well; units of the disk."""
     angle, most = well(disk)
     lean, radius = _CIRCLE[0], _CIRCLE[1] * disk.r
-    circle = float(circular_rolling(disk, lean, radius).precession[0])
+    circle = float(circular_rolling(disk, lean, radius).precession)
     return {
         "straight_rolling": {"closed_form": rolling_threshold(disk)},
         "spinning_upright": {"closed_form": spinning_threshold(disk)},

@@ -83,7 +83,7 @@ def constants(states: States) -> Constants:
     >>> import explorer as ex
     >>> found = ex.constants(ex.phi_to_states(ex.Disk.uniform(), phi=0.0, phidot=1.0, sigma3=1.0, sigma4=0.7))
     >>> found.eta_hat_plus.round(4), found.energy
-    (array([0.0286]), array([2.1175]))
+    (np.float64(0.0286), np.float64(2.1175))
     """
     disk, unit, motion = require_states(states).disk, states.disk.rate_unit, states.motion
     plus, minus = eta_to_eta_hat(disk.body, motion.eta_plus), eta_to_eta_hat(disk.body, motion.eta_minus)
@@ -95,7 +95,7 @@ def constants(states: States) -> Constants:
         eta_plus=motion.eta_plus * disk.eta_unit,
         eta_minus=motion.eta_minus * disk.eta_unit,
         energy=motion.energy * disk.energy_unit,
-        status=states.status,
+        status=states.codes,
         states=states,
     )
     return found.reshaped(states.shape)

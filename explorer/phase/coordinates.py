@@ -76,7 +76,7 @@ def rates_to_states(
     --------
     >>> import math, explorer as ex
     >>> states = ex.rates_to_states(ex.Disk.uniform(r=12.1e-3, g=9.81), math.radians(1.0), 0.0, 60.0, 0.5)
-    >>> print(f"{states.phi[0]:.6f} rad, sigma3 = {states.sigma3[0]:.6f} rad/s")
+    >>> print(f"{states.phi:.6f} rad, sigma3 = {states.sigma3:.6f} rad/s")
     1.553343 rad, sigma3 = 0.018275 rad/s
 
     Notes
@@ -103,7 +103,7 @@ def from_rates(
     angle, rate, turn, own, down = columns
     with np.errstate(all="ignore"):
         sigma3 = np.sin(angle) ** 2 * turn
-    return replace(theta_to_states(disk, angle, rate, sigma3, own, down), shape=shape)
+    return theta_to_states(disk, angle, rate, sigma3, own, down).reshaped(shape)
 
 
 def warn_of_degrees(angle: Array) -> None:
@@ -160,7 +160,7 @@ def coordinates_to_states(disk: Disk, *, degrees: bool = False, **coordinates: A
     >>> import explorer as ex
     >>> states = ex.coordinates_to_states(ex.Disk.uniform(), phi=0.5, energy=3.0, sigma3_bar=1.0, eta_hat=1e-9)
     >>> states.phidot.round(6)
-    array([1.749083])
+    np.float64(1.749083)
 
     Notes
     -----
@@ -216,7 +216,7 @@ def constants_to_states(
         sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, face=face
     )
     states = coordinates_to_states(disk, sigma3_bar=bar, eta_hat=distance, phidot=down * speed, face=down)
-    return replace(states, shape=shape)
+    return states.reshaped(shape)
 
 
 def _from_constants(disk: Disk, **given: ArrayLike) -> States:

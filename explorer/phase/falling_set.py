@@ -155,15 +155,15 @@ def located(states: States) -> Location:
     """Where states are relative to F. Needs I3 > 0."""
     require_axial_inertia(states.disk)
     disk, bits, code = states.disk, compiled.membership, compiled.status.Status
-    given, codes = states.given is not None, np.empty(len(states), np.int8)
-    rows = np.stack(states.motion) if given else np.empty((len(Motion._fields), len(states)))
+    given, codes = states.given is not None, np.empty(states.size, np.int8)
+    rows = np.stack(states.motion) if given else np.empty((len(Motion._fields), states.size))
     bits.membership_batch(states.natural, given, obstacle(disk), disk.natural, rows, codes)
     motion = vars(states).setdefault("motion", states.of_motion(Motion(*rows)))  # which need not be found again
-    codes[states.status == code.BAD_INPUT] = bits.PLUS
+    codes[states.codes == code.BAD_INPUT] = bits.PLUS
     plus, could, on_f, could_plus, could_minus = (
         (codes & bit) != 0 for bit in (bits.PLUS, bits.COULD, bits.ON_F, bits.COULD_PLUS, bits.COULD_MINUS)
     )
-    status = np.where(on_f & could & (states.status == code.OK), np.int8(code.FALLS), states.status)
+    status = np.where(on_f & could & (states.codes == code.OK), np.int8(code.FALLS), states.codes)
     face = np.where(plus, np.int8(1), np.int8(-1))
     return Location(face, motion.eta(plus), could, could_plus, could_minus, on_f, status)
 

@@ -34,25 +34,43 @@ class WithStatus:
     @property
     def ok(self) -> NDArray[np.bool_]:
         """Which samples were computed to the accuracy asked."""
-        return np.asarray(self.status == Status.OK)
+        good: NDArray[np.bool_] = self.status == Status.OK
+        return good
 
     @property
     def status_names(self) -> NDArray[np.str_]:
         """The status of each sample as a word, such as 'ok' or 'falls'."""
-        return np.asarray(np.array(_NAMES)[self.status])
+        names: NDArray[np.str_] = np.array(_NAMES)[self.status]
+        return names
 
     def _counted(self) -> str:
         """How many samples have each status, in words."""
-        counts = Counter(self.status_names.ravel().tolist())
+        counts = Counter(np.ravel(self.status_names).tolist())
         return ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "none"
 
 
 def require_ok(found: WithStatus, what: str) -> None:
     """Raise InputError where a sample is not ok: `what`, and the sentence and the remedy of the first status."""
-    failed = found.status[~found.ok]
+    failed = np.extract(~found.ok, found.status)
     if failed.size:
         code = Status(int(failed[0]))
         raise InputError(f"{what}: {code.sentence} {code.remedy}")
+
+
+def in_shape(values: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    """Values of samples in a row, in the shape of these: a number of numpy where this is ().
+
+    Own axes, of vectors for instance, stay behind.
+    """
+    reshaped: NDArray[Any] = values.reshape((*shape, *values.shape[1:]))[()]
+    return reshaped
+
+
+def length_of(shape: tuple[int, ...]) -> int:
+    """Number of entries along the first axis, as of an array. Raises TypeError where there is none."""
+    if not shape:
+        raise TypeError("a single sample has no length")
+    return shape[0]
 
 
 class Table:
@@ -73,12 +91,13 @@ class Table:
 
     def __len__(self) -> int:
         """Number of entries along the first axis, as of an array."""
-        return self.shape[0] if self.shape else 1
+        return length_of(self.shape)
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
-        """All arrays of this object by name."""
+        """All arrays of this object by name, also where they have a single entry and no axis."""
         named = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
-        return {name: values for name, values in named.items() if isinstance(values, np.ndarray)}
+        arrays = np.ndarray | np.generic
+        return {name: np.asarray(values) for name, values in named.items() if isinstance(values, arrays)}
 
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
@@ -94,17 +113,17 @@ class Table:
         """
         shape = getattr(self, "states", self).shape
         more = (1,) * (len(self.shape) - len(shape))
-        return np.broadcast_to(values.reshape(*shape, *more), self.shape)
+        return np.broadcast_to(np.reshape(values, (*shape, *more)), self.shape)
 
     def _chosen(self, rows: Any) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
         """Arrays of some samples, indexed as an array of this shape is; and their `states`."""
-        places = np.atleast_1d(np.arange(self.size).reshape(self.shape)[rows])
+        places = np.asarray(np.arange(self.size).reshape(self.shape)[rows])
         flat = {name: v.reshape(self.size, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
         arrays, states = {name: values[places] for name, values in flat.items()}, getattr(self, "states", None)
         if states is None:
             return arrays, {}
-        each = states.at(places.ravel() // max(self.size // max(len(states), 1), 1))
-        return arrays, {"states": replace(each, shape=places.shape)}
+        each = states.at(places.ravel() // max(self.size // max(states.size, 1), 1))
+        return arrays, {"states": each.reshaped(places.shape)}
 
     def _flat(self) -> dict[str, NDArray[Any]]:
         """Columns with one entry for each sample; a vector becomes several, `path` path_x, path_y and path_z."""
@@ -148,7 +167,7 @@ class Table:
                 continue
             parts = {"": good & np.isfinite(values)}
             side = getattr(self, "side", None)
-            if name in _SIDED and side is not None and np.unique(np.sign(side[parts[""]])).size > 1:
+            if name in _SIDED and side is not None and np.unique(np.extract(parts[""], side)).size > 1:
                 parts = {f" where eta {sign} 0": parts[""] & (side * s > 0) for s, sign in ((1, ">"), (-1, "<"))}
             unit = unit_of(name, getattr(getattr(self, "states", self), "disk", None))
             ranges = [
@@ -180,15 +199,16 @@ R = TypeVar("R", bound="Result")
 class Result(WithStatus, Table):
     """Base class of results: a dataclass with one array for each column, all of one shape, `status` among them.
 
-    The arrays have the shape to which the arguments broadcast, where plain numbers count as an array of one
-    entry, and the arguments are columns too: own ones, or those of `states` where the result has that. What else
-    a result knows, the method for instance, are plain fields.
+    The arrays have the shape to which the arguments broadcast; of plain numbers they are numbers of numpy. What a
+    result has several of, such as bounces, has axes of its own behind. The arguments are columns too: own ones,
+    or those of `states` where the result has that. What else a result knows, the method for instance, are plain
+    fields.
     """
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """The shape to which the arguments broadcast."""
-        return self.status.shape
+        """The shape to which the arguments broadcast, and own axes behind it."""
+        return np.shape(self.status)
 
     def __getitem__(self, rows: Any) -> Self:
         """Some of the samples. Index as you would an array of this shape: by a number, a slice or a mask."""
@@ -196,8 +216,8 @@ class Result(WithStatus, Table):
         return replace(self, **arrays, **states)  # type: ignore[type-var]
 
     def reshaped(self, shape: tuple[int, ...]) -> Self:
-        """The same result with arrays of another shape."""
-        arrays = {name: v.reshape(*shape, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
+        """This result of samples in a row, with arrays of another shape."""
+        arrays = {name: in_shape(values, shape) for name, values in self._arrays().items()}
         return replace(self, **arrays)  # type: ignore[type-var]
 
     def among(self, rows: NDArray[np.intp], status: NDArray[np.int8]) -> Self:

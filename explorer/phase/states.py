@@ -7,7 +7,7 @@ Users give (phi, phidot, sigma3, sigma4) in the units of the disk; kernels take
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -21,7 +21,7 @@ from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
 from explorer.phase.disk import Array as Array
 from explorer.phase.linear_constants import Motion, motion_through, rows_of
 from explorer.phase.results import COORDINATES as COORDINATES
-from explorer.phase.results import WithStatus
+from explorer.phase.results import WithStatus, in_shape, length_of
 
 
 class StateWarning(UserWarning):
@@ -57,14 +57,16 @@ class States(WithStatus):
     disk : Disk
         The body.
     natural : (5, n) array
-        Rows q = cos phi, z = sin phi, p = -phidot, rho = sigma3/q and sigma4, in natural units.
-    status : (n,) array of int8
-        `Status` of each state. A state that is not finite or already flat is BAD_INPUT and is never followed.
+        Rows q = cos phi, z = sin phi, p = -phidot, rho = sigma3/q and sigma4, in natural units, of all states one
+        after the other.
+    codes : (n,) array of int8
+        The statuses, likewise. A state that is not finite or already flat is BAD_INPUT and is never followed.
     given : Motion or None
         sigma3_bar, eta_plus and eta_minus (natural units) where they were given rather than computed from the
         state, so that eta may be smaller than the state's rounding.
     shape : tuple of int
-        The shape to which the arguments broadcast, by default (n,). Results computed from the states have it too.
+        The shape to which the arguments broadcast, () of a single state. Results computed from the states have it
+        too.
 
     Examples
     --------
@@ -78,53 +80,79 @@ class States(WithStatus):
 
     disk: Disk
     natural: Array
-    status: NDArray[np.int8]
+    codes: NDArray[np.int8]
     given: Motion | None = None
-    shape: tuple[int, ...] = ()
+    shape: tuple[int, ...] = (-1,)
 
     def __post_init__(self) -> None:
         """Without a shape the states stand in a row. Raises InputError for what are no states."""
         require_disk(self.disk)
-        natural, status = self.natural, self.status
+        natural, status = self.natural, self.codes
         # Kernels take these arrays as they are in memory.
         right = natural.dtype == np.float64 and natural.flags.carray and status.dtype.kind == "i"
         columns = (status, *(self.given or ()))
         if not right or natural.shape != (5, status.size) or any(c.shape != (status.size,) for c in columns):
             what = f"natural = {shown(natural)}, status = {shown(status)}"
             raise InputError(f"States: {what}; make them by phi_to_states or another of its kind")
-        object.__setattr__(self, "shape", self.shape or (status.size,))
+        if self.shape == (-1,):
+            object.__setattr__(self, "shape", (status.size,))
+
+    @property
+    def status(self) -> NDArray[np.int8]:  # type: ignore[override]
+        """`Status` of each state, OK or BAD_INPUT."""
+        return in_shape(self.codes, self.shape)
 
     def __repr__(self) -> str:
         shape = f" ({' x '.join(map(str, self.shape))})" if len(self.shape) > 1 else ""
-        tilt = np.degrees(np.arctan2(self.rows.q, abs(self.rows.z))[self.ok])
+        tilt = np.degrees(np.arctan2(self.rows.q, abs(self.rows.z))[self.codes == compiled.status.Status.OK])
         tilts = f"; tilts {tilt.min():.3g} to {tilt.max():.3g} degrees" if tilt.size else ""
-        return f"States of {len(self):,}{shape} of the disk {self.disk.name}: {self._counted()}{tilts}"
+        return f"States of {self.size:,}{shape} of the disk {self.disk.name}: {self._counted()}{tilts}"
 
-    def __len__(self) -> int:
+    @property
+    def size(self) -> int:
+        """Number of states, whatever the shape."""
         return int(self.natural.shape[1])
 
-    def __getitem__(self, rows: int | slice | NDArray[Any]) -> States:
-        """Some of the states. Index as you would a flat array: by a number, a slice, a mask or a list of numbers.
+    def __len__(self) -> int:
+        """Number of entries along the first axis, as of an array."""
+        return length_of(self.shape)
+
+    def __getitem__(self, key: Any) -> States:
+        """Some of the states. Index as you would an array of this shape: by numbers, slices, masks or lists.
 
         Examples
         --------
         >>> import explorer as ex
-        >>> states = ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, [1.0, 2.0, 3.0], 0.7)
-        >>> states[states.sigma3 > 1.5].sigma3
-        array([2., 3.])
+        >>> states = ex.phi_to_states(ex.Disk.uniform(), [[0.0], [0.1]], 1.0, [1.0, 2.0, 3.0], 0.7)
+        >>> states[1].shape, states[states.sigma3 > 1.5].sigma3
+        ((3,), array([2., 3., 2., 3.]))
         """
-        chosen = np.atleast_1d(np.arange(len(self))[rows])
-        if chosen.ndim != 1:
-            raise InputError(f"states[{shown(rows)}]: give a number, a slice, a mask or a list of numbers")
-        given = None if self.given is None else rows_of(self.given, chosen)
-        return States(self.disk, np.ascontiguousarray(self.natural[:, chosen]), self.status[chosen], given)
+        places = np.asarray(np.arange(self.size).reshape(self.shape)[key])
+        return self.at(places.ravel()).reshaped(places.shape)
 
-    at = __getitem__
+    def at(self, rows: slice | NDArray[Any]) -> States:
+        """Some of the states, by their numbers among all, in a row."""
+        given = None if self.given is None else rows_of(self.given, rows)
+        return States(self.disk, np.ascontiguousarray(self.natural[:, rows]), self.codes[rows], given)
+
+    def reshaped(self, shape: tuple[int, ...]) -> States:
+        """The same states in another shape."""
+        if shape == self.shape:
+            return self
+        made = replace(self, shape=shape)
+        if "motion" in vars(self):  # which need not be found again
+            vars(made)["motion"] = self.motion
+        return made
+
+    @property
+    def flat(self) -> States:
+        """The same states in a row."""
+        return self.reshaped((self.size,))
 
     def _known(self, values: Array) -> Array:
         """Values of all states in their shape; NaN for bad input, for which a placeholder stands."""
-        bad = self.status == compiled.status.Status.BAD_INPUT
-        return np.asarray(np.where(bad, np.nan, values).reshape(self.shape))
+        bad = self.codes == compiled.status.Status.BAD_INPUT
+        return in_shape(np.where(bad, np.nan, values), self.shape)
 
     @property
     def rows(self) -> Rows:
@@ -139,7 +167,7 @@ class States(WithStatus):
     def of_motion(self, computed: Motion) -> Motion:
         """The motions, of which these were computed: what was given instead of states, and NaN for bad input."""
         motion = computed if self.given is None else self.given._replace(energy=computed.energy)
-        bad = self.status == compiled.status.Status.BAD_INPUT
+        bad = self.codes == compiled.status.Status.BAD_INPUT
         return Motion(*(np.where(bad, np.nan, column) for column in motion)) if bad.any() else motion
 
     @property
@@ -169,11 +197,11 @@ class States(WithStatus):
         --------
         >>> import explorer as ex
         >>> ex.phi_to_states(ex.Disk.uniform(), 0.1, 1.0, 1.0, 0.7).reversed().phidot
-        array([-1.])
+        np.float64(-1.0)
         """
         natural = self.natural.copy()
         Rows(*natural).p[:] *= -1.0
-        turned = States(self.disk, natural, self.status.copy(), self.given, self.shape)
+        turned = States(self.disk, natural, self.codes.copy(), self.given, self.shape)
         turned.__dict__["motion"] = self.motion  # the same constants, which are known already
         return turned
 
@@ -295,7 +323,7 @@ def joined_states(parts: Sequence[States]) -> States:
     given = None
     if parts[0].given is not None:
         given = Motion(*map(np.concatenate, zip(*(part.given for part in parts if part.given), strict=True)))
-    return States(parts[0].disk, natural, np.concatenate([part.status for part in parts]), given)
+    return States(parts[0].disk, natural, np.concatenate([part.codes for part in parts]), given)
 
 
 def require_states(states: Any, name: str = "states") -> States:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -47,7 +47,7 @@ class SteadyMotions(Result):
     >>> import explorer as ex
     >>> coin = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
     >>> motion = ex.circular_rolling(coin, lean=0.2, radius=0.1)
-    >>> print(f"{motion.radius[0]:.3f} m, {motion.precession[0]:.4f} rad/s, stable: {motion.stable[0]}")
+    >>> print(f"{motion.radius:.3f} m, {motion.precession:.4f} rad/s, stable: {motion.stable}")
     0.100 m, 3.6781 rad/s, stable: True
     """
 
@@ -107,7 +107,7 @@ def steady_motions(
     >>> import numpy as np, explorer as ex
     >>> coin = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
     >>> motion = ex.steady_motions(coin, np.radians(10.0), 60.0)
-    >>> print(f"spin {motion.spin[0]:.2f} rad/s, stable: {motion.stable[0]}")
+    >>> print(f"spin {motion.spin:.2f} rad/s, stable: {motion.stable}")
     spin -41.24 rad/s, stable: True
     >>> tilts = ex.simulate(motion.states, 1.0, observables=["phi"]).phi
     >>> bool(np.ptp(tilts) < 1e-6)
@@ -128,7 +128,7 @@ def steady_motions(
         stable = curvature_of(q, z, turn * q * q, spin, b) > 0.0
         good = (angle > 0.0) & (angle < np.pi) & (abs(down) == 1.0) & np.isfinite(spin) & np.isfinite(radius)
     states = from_rates(disk, np.where(good, angle, np.nan), rate, spin * unit, 0.0, down)
-    good &= states.status == code.OK
+    good &= states.codes == code.OK
     found = SteadyMotions(
         tilt=angle,
         precession=rate,
@@ -136,7 +136,7 @@ def steady_motions(
         radius=np.where(good, radius, np.nan),
         stable=stable & good,
         status=np.where(good, code.OK, code.BAD_INPUT).astype(np.int8),
-        states=replace(states, shape=shape),
+        states=states.reshaped(shape),
     )
     return found.reshaped(shape)
 
@@ -176,7 +176,7 @@ def circular_rolling(disk: Disk, lean: float, radius: float, degrees: bool = Fal
     >>> import math, explorer as ex
     >>> coin = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
     >>> motion = ex.circular_rolling(coin, lean=20.0, radius=0.07, degrees=True)
-    >>> print(f"{2.0 * math.pi / motion.precession[0]:.3f} s, spin {motion.spin[0]:.1f} rad/s")
+    >>> print(f"{2.0 * math.pi / motion.precession:.3f} s, spin {motion.spin:.1f} rad/s")
     1.051 s, spin 32.6 rad/s
     """
     require_axial_inertia(disk)

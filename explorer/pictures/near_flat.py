@@ -78,8 +78,8 @@ def followed(disk: Disk, eta_hat: Sequence[float]) -> Iterator[Passage]:
     for row, size in enumerate(eta_hat):
         start = constants_to_states(disk, unit, size * unit, unit)
         motion = simulate(start, float(whole.duration[row]), observables=names, accuracy=1e-9)
-        at = motion(finer(motion.t[0], _PARTS))
-        phi, phidot, sigma3, chi = (getattr(at, name)[0] for name in names)
+        at = motion(finer(motion.t, _PARTS))
+        phi, phidot, sigma3, chi = (getattr(at, name) for name in names)
         theta = 0.5 * np.pi - phi
         least, speed = float(whole.theta_min[row]), float(whole.impact_speed[row]) / unit
         yield Passage(size, disk.kappa, theta, chi, -phidot / unit, sigma3 / np.sin(theta) / unit, least, speed)

@@ -120,7 +120,7 @@ def _label_places(disk: Disk) -> list[tuple[float, float]]:
     for radius in RADII:
         for lean in (1.25, 1.0, 0.5, 0.3, 0.15):
             try:
-                rate = float(circular_rolling(disk, lean, radius * disk.r).precession[0])
+                rate = float(circular_rolling(disk, lean, radius * disk.r).precession)
             except InputError:
                 continue
             if rate < 2.6 * disk.rate_unit:

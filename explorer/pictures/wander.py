@@ -35,12 +35,12 @@ def _path(ax: Axes, path: WanderPath) -> None:
     r, found = path.disk.r, path.wander
     ax.plot(*(path.contact / r).T, color="#A9A9A9", lw=0.6, label="contact point")
     ax.plot(*(path.centre / r).T, color=SERIES[1], lw=1.1, label="centre of the disk")
-    places = found.after(path.count)[0] / r
+    places = found.after(path.count) / r
     ax.plot(places.real, places.imag, "o", color=DARK, ms=3.5, label="centre, once a period")
-    turns, radius = found.chi[0] / (2.0 * np.pi), found.radius[0] / r
-    title = f"it walks: {abs(found.step[0]) / r:.2f} r a period"
+    turns, radius = found.chi / (2.0 * np.pi), found.radius / r
+    title = f"it walks: {abs(found.step) / r:.2f} r a period"
     if radius < _BOUNDED:
-        middle = found.step[0] / r / (1.0 - np.exp(1j * found.chi[0]))
+        middle = found.step / r / (1.0 - np.exp(1j * found.chi))
         circle = middle - middle * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
         ax.plot(circle.real, circle.imag, color=DARK, lw=0.8, ls=":")
         title = f"it stays: circle of {radius:.2f} r"
@@ -125,11 +125,11 @@ def wander_distance(ax: Axes, disk: Disk, count: int = 12) -> None:
         colour, found, r = SERIES[1 + number % (len(SERIES) - 1)], path.wander, path.disk.r
         distance = np.hypot(*path.centre.T) / r
         largest = max(largest, float(distance.max()))
-        ax.plot(path.t / found.period[0], distance, color=colour, lw=0.9)
-        ax.plot(np.arange(path.count + 1), abs(found.after(path.count)[0]) / r, ".", color=colour, ms=6)
+        ax.plot(path.t / found.period, distance, color=colour, lw=0.9)
+        ax.plot(np.arange(path.count + 1), abs(found.after(path.count)) / r, ".", color=colour, ms=6)
         ax.plot([], [], ".-", color=colour, ms=6, lw=0.9, label=f"{name}, a dot each period")
-        if 2.0 * found.radius[0] / r < _BOUNDED:
-            ax.axhline(2.0 * found.radius[0] / r, color=colour, lw=1.4, ls=":", label=f"bound of {name} dots")
+        if 2.0 * found.radius / r < _BOUNDED:
+            ax.axhline(float(2.0 * found.radius / r), color=colour, lw=1.4, ls=":", label=f"bound of {name} dots")
     ax.set_ylim(0.0, 1.05 * largest)
     legend_below(ax, ncols=2)
     dress(ax, "$t$ (periods)", "distance from the start (r)", "Only a resonance walks away")

@@ -125,7 +125,7 @@ class FallingSet(FromStates):
 
     def _table(self, block: Block, here: Location) -> Table:
         """Everything about a few states but their theta_min."""
-        known, n = constants(block.states), len(block.states)
+        known, n = constants(block.states), block.states.size
         names = "sigma3_bar", "eta_hat_plus", "eta_hat_minus", "energy"
         table: Table = {name: getattr(known, name) for name in names}
         table |= {"face": here.face, "could_fall": here.could, "theta_min": np.full(n, np.nan)}
@@ -133,7 +133,7 @@ class FallingSet(FromStates):
 
     def _follow(self, table: Table, states: States) -> None:
         """theta_min, and what became of the states for which it is wanted -> table."""
-        wanted = np.full(len(states), self.theta_min == "all") | (self.theta_min == "near" and self.near(table))
+        wanted = np.full(states.size, self.theta_min == "all") | (self.theta_min == "near" and self.near(table))
         rows = np.flatnonzero(wanted)
         for first in range(0, rows.size, self.block):
             some = rows[first : first + self.block]

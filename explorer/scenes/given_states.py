@@ -102,8 +102,8 @@ class GivenStates:
             return value
         if isinstance(value, States):
             given = {} if value.given is None else value.given._asdict()
-            digest = _digest({"natural": value.natural, "status": value.status} | given)
-            return cls(flag, len(value), digest, states=value)
+            digest = _digest({"natural": value.natural, "status": value.codes} | given)
+            return cls(flag, value.size, digest, states=value)
         if isinstance(value, str | Path):
             return cls._of_file(flag, path_of(flag, value).resolve())
         if not (isinstance(value, Mapping) and value and set(value) <= _RECORD):
@@ -312,7 +312,7 @@ def _table(given: Any, what: str) -> "pa.Table":
     import pyarrow as pa
 
     if isinstance(getattr(given, "columns", None), Mapping):  # a result of a call
-        given = given.columns
+        given = {name: values.ravel() for name, values in given.columns.items()}
     try:
         if hasattr(given, "to_frame") and hasattr(given, "iloc"):  # a row of a frame of pandas
             if given.name in KNOWN or {*map(type, given.index)} != {str}:

@@ -177,7 +177,7 @@ class RaceAngles(FromStates):
         found = bounces(drawn.states, self.rows, accuracy=self.accuracy, method=self.plan.method)
         results = motion_constants(found) | {name: getattr(found, name) for name in (*_OF_BOUNCE, "status")}
         results = {name: values.ravel() for name, values in results.items()}
-        table: Table = drawn.at(np.repeat(np.arange(len(drawn.states)), self.rows)).with_results(results)
+        table: Table = drawn.at(np.repeat(np.arange(drawn.states.size), self.rows)).with_results(results)
         return table
 
     # Counts

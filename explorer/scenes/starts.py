@@ -102,7 +102,7 @@ class FromStates(FromDensity):
         if self.states is not None and self.states.chart is not None:
             # What contradicts itself, or is no state at all, is refused before anything is written.
             first = self.states.read(self.disk, 0, min(self.samples, self.block), quiet=False)
-            if len(first.states) == self.samples:
+            if first.states.size == self.samples:
                 self.states_among(count_status(first.states.status))
         made = None if self.states is None else self.states.states
         if made is not None and made.disk != self.disk:

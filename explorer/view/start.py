@@ -96,10 +96,10 @@ def start_in(motion: Any, row: Any) -> tuple[Disk, Start]:
         _one_of(1, row, "limit motion")
         return motion.disk, _start_of_limit(motion)
     if isinstance(motion, Bounces):
-        return motion.states.disk, _start_of_bounce(motion, _one_of(motion.status.size, row, "bounces"))
+        return motion.states.disk, _start_of_bounce(motion, _one_of(motion.size, row, "bounces"))
     states = motion if isinstance(motion, States) else getattr(motion, "states", None)
     if isinstance(states, States):
-        place = _one_of(len(states), row, "states")
+        place = _one_of(states.size, row, "states")
         return states.disk, _start_of_state(states, place)
     disk, known = getattr(motion, "disk", None), [getattr(motion, name, ()) for name in _PASSAGE]
     if not isinstance(disk, Disk) or not all(np.size(column) for column in known):
