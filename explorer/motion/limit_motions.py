@@ -19,7 +19,7 @@ from explorer.motion.orbits import WITH_PLACES
 from explorer.motion.rise import Moving, Rise
 from explorer.motion.starts import ArcStarts, arc_starts
 from explorer.phase import falling_set
-from explorer.phase.arguments import column
+from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.energy import eta_to_eta_hat
 from explorer.phase.falling_set import falls
@@ -140,7 +140,8 @@ class LimitMotion:
 
     def __call__(self, t: ArrayLike) -> LimitState:
         """The motion at times from 0 to that of the 1e8th impact. So late, its phase has 8 digits fewer."""
-        times, disk, face = column("t", t), self.disk, self.face
+        (times,), shape = read_columns(t=t)
+        disk, face = self.disk, self.face
         last = _MOST_IMPACTS * self.period
         if not ((times >= 0.0) & (times <= last)).all():
             raise InputError(f"t = {shown(t)}: give times from 0 to {last:g}, that of {_MOST_IMPACTS:g} impacts")
@@ -157,16 +158,16 @@ class LimitMotion:
             return scale * np.stack([plane.real, plane.imag, height], axis=-1)
 
         return LimitState(
-            t=times.copy(),
-            phi=np.asarray(face * (0.5 * np.pi - np.arctan2(q, at.z))),
-            phidot=np.asarray(phidot * unit),
-            chi=np.asarray(chi),
-            psi=np.asarray(psi),
+            t=times,
+            phi=face * (0.5 * np.pi - np.arctan2(q, at.z)),
+            phidot=phidot * unit,
+            chi=chi,
+            psi=psi,
             path=vector(centre, q, r),
             contact=vector(centre + z * away, np.zeros_like(q), r),
             velocity=vector(velocity, -phidot * z, r * unit),
             nu=vector(nu, q * q * turn + z * sigma4, unit),  # eq. (2.27)
-        )
+        ).reshaped(shape)
 
     def _unfold(self, since_impact: Array) -> Moving:
         """The motion at natural times counted from an impact, as on face +1."""

@@ -79,8 +79,10 @@ class Scan(Table):
         """An observable, by its name; or some of the states, indexed like an array of this shape."""
         if isinstance(key, str):
             return self.values[one_of("observable", key, self.values)]
-        values, states = self._chosen(key)
-        return Scan(values=values, **states)
+        return super().__getitem__(key)
+
+    def _with(self, arrays: dict[str, NDArray[Any]], states: States) -> Scan:
+        return Scan(states, arrays)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.values)

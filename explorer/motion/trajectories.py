@@ -27,7 +27,7 @@ from explorer.motion.integration import MAX_STEPS, InitialValues
 from explorer.motion.plan import Plan, plan
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
-from explorer.phase.results import WithStatus, in_shape, length_of
+from explorer.phase.results import WithStatus
 from explorer.phase.states import Array, States, require_states
 
 ALL = ("phi", "chi", "psi", "path", "contact")  # what simulate gives where nothing else is asked for
@@ -48,10 +48,10 @@ class Trajectories(WithStatus):
 
     Attributes
     ----------
-    t : (..., nt) or (nt,) array
+    t : (..., nt) array
         Times. Without t_eval each motion has its own times; `lengths` says how many. After them, the row of a
         motion is filled with its last time, and in all other arrays with its last value, so that whole rows can be
-        drawn. With t_eval, the times given there.
+        drawn. With t_eval, the times given there, the same for all.
     phi : (..., nt) array or None
         Angle to the vertical (rad), -pi/2 to pi/2.
     tilt : (..., nt) array or None
@@ -121,41 +121,10 @@ class Trajectories(WithStatus):
         """The names of those that were asked for."""
         return tuple(name for name in (*_OTHERS, *ALL) if getattr(self, name) is not None)
 
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """The shape of the states."""
-        return self.states.shape
-
-    def __len__(self) -> int:
-        """Number of entries along the first axis of the states."""
-        return length_of(self.shape)
-
-    def __getitem__(self, key: Any) -> Trajectories:
-        """Some of the motions. Index as you would an array of the states' shape: by numbers, slices or masks.
-
-        Examples
-        --------
-        >>> import explorer as ex
-        >>> states = ex.constants_to_states(ex.Disk.uniform(), 1.0, [0.1, 1e-3, 1e-6], 1.0)
-        >>> ex.simulate(states, t_eval=[0.0, 1.0])[1:].phi.shape
-        (2, 2)
-        """
-        size, records = self.states.size, self._records
-        places = np.asarray(np.arange(size).reshape(self.shape)[key])
-        each = ["status", "steps", "constants_error", "error_estimate", "lengths", *self.observables]
-        # Where curves have times of their own, they have as many as they have tilts.
-        first = getattr(self, self.observables[0])
-        if self.t.shape == first.shape[: first.ndim - (self.observables[0] in _VECTORS)]:
-            each.append("t")
-        arrays = {name: np.asarray(getattr(self, name)) for name in each}
-        flat = {name: values.reshape(size, *values.shape[len(self.shape) :]) for name, values in arrays.items()}
-        return replace(
-            self,
-            **{name: values[places] for name, values in flat.items()},
-            states=self.states[key],
-            _start=self._start.at(places.ravel()),
-            _records=records and records.at(places.ravel()),
-        )
+    def at(self, rows: NDArray[np.intp]) -> Trajectories:
+        """Some of the motions in a row, by their numbers among all."""
+        records = self._records and self._records.at(rows)
+        return replace(super().at(rows), _start=self._start.at(rows), _records=records)
 
     def __call__(self, t: ArrayLike) -> Trajectories:
         """The motions at any times from 0 to `t_end`, also inside a race.
@@ -195,8 +164,9 @@ class Trajectories(WithStatus):
         else:
             found = dense_output.between(self._start, self._records, order)
         at = np.moveaxis(found[:, places].reshape(*self.shape, *shape, 10), -1, 0)
+        own = np.broadcast_to(times.reshape(shape), (*self.shape, *shape))[()]
         lengths = np.where(self.lengths > 0, times.size, 0)[()]
-        return replace(self, t=times.reshape(shape), **_observables(disk, at, self.observables), lengths=lengths)
+        return replace(self, t=own, **_observables(disk, at, self.observables), lengths=lengths)
 
     def __repr__(self) -> str:
         times = np.atleast_1d(self.t).shape[-1]
@@ -327,13 +297,17 @@ def _followed(
         lengths = np.where(outcome.status == compiled.status.Status.OK, times.size, 0)
         if warns and set(names) & set(_TURNING):
             _warn_of_races(abs(np.diff(found[rows.chi])).max(axis=1, initial=0.0))
-    if records is not None:
-        times = in_shape(times, states.shape)
-    known = {**values, **outcome._asdict(), "constants_error": outcome.constants_error.T, "lengths": lengths}
-    each: dict[str, Any] = {
-        name: None if value is None else in_shape(value, states.shape) for name, value in known.items()
-    }
-    return Trajectories(times, **each, t_end=end, states=states, _start=start, _records=records, _jobs=jobs)
+    known: dict[str, Any] = values | outcome._asdict() | {"constants_error": outcome.constants_error.T}
+    return Trajectories(
+        t=np.broadcast_to(times, (states.size, times.shape[-1])),
+        **known,
+        lengths=lengths,
+        t_end=end,
+        states=states,
+        _start=start,
+        _records=records,
+        _jobs=jobs,
+    ).reshaped(states.shape)
 
 
 def _times(t_end: float | None, t_eval: ArrayLike | None) -> tuple[float, Array | None]:

@@ -67,7 +67,8 @@ class Wander(Result):
     @property
     def step(self) -> NDArray[np.complex128]:
         """The shift as the complex number a1 + i a2."""
-        return np.asarray(self.shift[..., 0] + 1j * self.shift[..., 1])
+        step: NDArray[np.complex128] = self.shift[..., 0] + 1j * self.shift[..., 1]
+        return step
 
     def after(self, count: int) -> NDArray[np.complex128]:
         """a(k tau) - a(0), k = 0 ... count, along a last axis. Each step is the one before, turned by chi."""
@@ -110,10 +111,9 @@ def wander(states: States) -> Wander:
     each = periods(states.flat, accuracy=_ACCURACY)
     shift, status = np.full((states.size, 3), np.nan), each.status.copy()
     for row in np.flatnonzero(each.ok).tolist():
-        one, period = states.at(np.array([row])), each.period[[row]]
-        moved = simulate(one, t_eval=period, observables=("path",), accuracy=_ACCURACY)
+        moved = simulate(states.flat[row], t_eval=each.period[row], observables=("path",), accuracy=_ACCURACY)
         assert moved.path is not None
-        shift[row], status[row] = (*moved.path[0, 0, :2], 0.0), moved.status[0]
+        shift[row], status[row] = (*moved.path[0, :2], 0.0), moved.status
     followed = status == compiled.status.Status.OK
     period, chi = (np.where(followed, values, np.nan) for values in (each.period, each.chi))
     with np.errstate(divide="ignore"):

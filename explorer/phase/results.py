@@ -1,8 +1,9 @@
 """What all results of Python calls share: their columns as a table, and a short description."""
 
 import html
+import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
@@ -26,7 +27,79 @@ _SIDED = ("race_angle", "delta_chi", "delta_psi")  # whose medians are told for 
 _AXES = {3: "xyz"}  # what the entries of a vector are called; others are counted
 
 
-class WithStatus:
+class Shaped:
+    """Base class of samples that have a shape: a dataclass of arrays, which is indexed as each of them.
+
+    All arrays have this shape, with axes of their own behind it, of vectors for instance. A single sample has the
+    shape (), and numbers of numpy. If there are `states`, there is one for each sample, or for as many samples in
+    a row as the axes behind those of the states have entries.
+    """
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape that all arrays share."""
+        return min((values.shape for values in self._arrays().values()), key=len, default=())
+
+    @property
+    def size(self) -> int:
+        """Number of samples, whatever the shape."""
+        return math.prod(self.shape)
+
+    def __len__(self) -> int:
+        """Number of entries along the first axis, as of an array. A single sample has none: TypeError."""
+        if not self.shape:
+            raise TypeError(f"{type(self).__name__} of a single sample has no length")
+        return self.shape[0]
+
+    def __iter__(self) -> Iterator[Any]:
+        return (self[place] for place in range(len(self)))
+
+    def __getitem__(self, key: Any) -> Self:
+        """Some of the samples. Index as you would an array of this shape: by numbers, slices, masks or lists.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> states = ex.phi_to_states(ex.Disk.uniform(), [[0.0], [0.1]], 1.0, [1.0, 2.0, 3.0], 0.7)
+        >>> states[1].shape, states[0, 2].sigma3, ex.constants(states)[states.sigma3 > 1.5].energy.shape
+        ((3,), np.float64(3.0), (4,))
+        """
+        places = np.asarray(np.arange(self.size).reshape(self.shape)[key])
+        return self.at(places.ravel()).reshaped(places.shape)
+
+    def at(self, rows: NDArray[np.intp]) -> Self:
+        """Some of the samples in a row, by their numbers among all."""
+        arrays = {name: v.reshape(self.size, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
+        states = getattr(self, "states", None)
+        if states is not None:
+            states = states.at(rows // max(self.size // max(states.size, 1), 1))
+        return self._with({name: values[rows] for name, values in arrays.items()}, states)
+
+    def reshaped(self, shape: tuple[int, ...]) -> Self:
+        """These samples, whose arrays have a first axis for all of them, in a shape of their own."""
+        states = getattr(self, "states", None)
+        arrays = {name: in_shape(values, shape) for name, values in self._arrays().items()}
+        return self._with(arrays, None if states is None else states.reshaped(shape))
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        """All arrays of this object by name, also where they have a single entry and no axis."""
+        named = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+        arrays = np.ndarray | np.generic
+        return {name: np.asarray(values) for name, values in named.items() if isinstance(values, arrays)}
+
+    def _with(self, arrays: dict[str, NDArray[Any]], states: Any) -> Self:
+        """This object with other arrays, and other states where it has any."""
+        more = {} if states is None else {"states": states}
+        return replace(self, **arrays, **more)  # type: ignore[type-var]
+
+
+def in_shape(values: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    """Values of samples along a first axis, in the shape of these; without any axis, a number of numpy."""
+    reshaped: NDArray[Any] = values.reshape((*shape, *values.shape[1:]))[()]
+    return reshaped
+
+
+class WithStatus(Shaped):
     """Base class of what has a status for each sample."""
 
     status: NDArray[np.int8]
@@ -57,47 +130,10 @@ def require_ok(found: WithStatus, what: str) -> None:
         raise InputError(f"{what}: {code.sentence} {code.remedy}")
 
 
-def in_shape(values: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Values of samples in a row, in the shape of these: a number of numpy where this is ().
-
-    Own axes, of vectors for instance, stay behind.
-    """
-    reshaped: NDArray[Any] = values.reshape((*shape, *values.shape[1:]))[()]
-    return reshaped
-
-
-def length_of(shape: tuple[int, ...]) -> int:
-    """Number of entries along the first axis, as of an array. Raises TypeError where there is none."""
-    if not shape:
-        raise TypeError("a single sample has no length")
-    return shape[0]
-
-
-class Table:
+class Table(Shaped):
     """Base class of what has columns and no statuses: a dataclass of arrays, or of numbers."""
 
     _GIVEN: ClassVar[tuple[str, ...]] = ()  # arguments among the columns, which the description leaves out
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """The shape that all arrays share. Arrays of vectors have further axes."""
-        shapes = [np.shape(value) for value in self._arrays().values()]
-        return min(shapes, key=len, default=())
-
-    @property
-    def size(self) -> int:
-        """Number of samples, whatever the shape."""
-        return int(np.prod(self.shape))
-
-    def __len__(self) -> int:
-        """Number of entries along the first axis, as of an array."""
-        return length_of(self.shape)
-
-    def _arrays(self) -> dict[str, NDArray[Any]]:
-        """All arrays of this object by name, also where they have a single entry and no axis."""
-        named = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
-        arrays = np.ndarray | np.generic
-        return {name: np.asarray(values) for name, values in named.items() if isinstance(values, arrays)}
 
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
@@ -114,16 +150,6 @@ class Table:
         shape = getattr(self, "states", self).shape
         more = (1,) * (len(self.shape) - len(shape))
         return np.broadcast_to(np.reshape(values, (*shape, *more)), self.shape)
-
-    def _chosen(self, rows: Any) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
-        """Arrays of some samples, indexed as an array of this shape is; and their `states`."""
-        places = np.asarray(np.arange(self.size).reshape(self.shape)[rows])
-        flat = {name: v.reshape(self.size, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
-        arrays, states = {name: values[places] for name, values in flat.items()}, getattr(self, "states", None)
-        if states is None:
-            return arrays, {}
-        each = states.at(places.ravel() // max(self.size // max(states.size, 1), 1))
-        return arrays, {"states": each.reshaped(places.shape)}
 
     def _flat(self) -> dict[str, NDArray[Any]]:
         """Columns with one entry for each sample; a vector becomes several, `path` path_x, path_y and path_z."""
@@ -204,21 +230,6 @@ class Result(WithStatus, Table):
     or those of `states` where the result has that. What else a result knows, the method for instance, are plain
     fields.
     """
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """The shape to which the arguments broadcast, and own axes behind it."""
-        return np.shape(self.status)
-
-    def __getitem__(self, rows: Any) -> Self:
-        """Some of the samples. Index as you would an array of this shape: by a number, a slice or a mask."""
-        arrays, states = self._chosen(rows)
-        return replace(self, **arrays, **states)  # type: ignore[type-var]
-
-    def reshaped(self, shape: tuple[int, ...]) -> Self:
-        """This result of samples in a row, with arrays of another shape."""
-        arrays = {name: in_shape(values, shape) for name, values in self._arrays().items()}
-        return replace(self, **arrays)  # type: ignore[type-var]
 
     def among(self, rows: NDArray[np.intp], status: NDArray[np.int8]) -> Self:
         """Put this result, of some rows, into one of all rows.

@@ -21,7 +21,7 @@ from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
 from explorer.phase.disk import Array as Array
 from explorer.phase.linear_constants import Motion, motion_through, rows_of
 from explorer.phase.results import COORDINATES as COORDINATES
-from explorer.phase.results import WithStatus, in_shape, length_of
+from explorer.phase.results import WithStatus, in_shape
 
 
 class StateWarning(UserWarning):
@@ -112,23 +112,6 @@ class States(WithStatus):
     def size(self) -> int:
         """Number of states, whatever the shape."""
         return int(self.natural.shape[1])
-
-    def __len__(self) -> int:
-        """Number of entries along the first axis, as of an array."""
-        return length_of(self.shape)
-
-    def __getitem__(self, key: Any) -> States:
-        """Some of the states. Index as you would an array of this shape: by numbers, slices, masks or lists.
-
-        Examples
-        --------
-        >>> import explorer as ex
-        >>> states = ex.phi_to_states(ex.Disk.uniform(), [[0.0], [0.1]], 1.0, [1.0, 2.0, 3.0], 0.7)
-        >>> states[1].shape, states[states.sigma3 > 1.5].sigma3
-        ((3,), array([2., 3., 2., 3.]))
-        """
-        places = np.asarray(np.arange(self.size).reshape(self.shape)[key])
-        return self.at(places.ravel()).reshaped(places.shape)
 
     def at(self, rows: slice | NDArray[Any]) -> States:
         """Some of the states, by their numbers among all, in a row."""

@@ -136,7 +136,7 @@ def steady_motions(
         radius=np.where(good, radius, np.nan),
         stable=stable & good,
         status=np.where(good, code.OK, code.BAD_INPUT).astype(np.int8),
-        states=states.reshaped(shape),
+        states=states,
     )
     return found.reshaped(shape)
 
