@@ -42,8 +42,7 @@ class Stretch(Result):
         Time for which each motion was followed, in the units of the disk.
     matrix : (..., 4, 4) array
         Derivative of (phi, phidot, sigma3, sigma4) at that time with respect to their values at the start, natural
-        units. NaN for
-        states that are bad input.
+        units. NaN for states that are bad input.
     determinant : array
         1 for a measure that is invariant.
     rounding : array
@@ -59,7 +58,7 @@ class Stretch(Result):
     >>> import explorer as ex
     >>> stretch = ex.flow_stretch(ex.phi_to_states(ex.Disk.uniform(), 0.3, 1.0, 1.0, 0.7))
     >>> stretch.matrix.shape, stretch.determinant.round(9)
-    ((1, 4, 4), array([1.]))
+    ((4, 4), np.float64(1.0))
     """
 
     time: Array

@@ -137,7 +137,7 @@ def both_sides(state: States, eta_hat: float | None = None, t_end: float | None 
     """
     disk = require_states(state, "state").disk
     size = 0.01 * disk.rate_unit if eta_hat is None else positive("eta_hat", eta_hat)
-    limits = limits_from(state)
+    limits, state = limits_from(state), state.reshaped(())
     limit = limits[1]
     at_point: dict[str, ArrayLike] = {"phi": state.phi, "phidot": state.phidot, "face": limit.face}
     at_point["sigma3_bar"] = constants(state).sigma3_bar

@@ -51,8 +51,8 @@ class Rocking(Result):
     Examples
     --------
     >>> import explorer as ex
-    >>> found = ex.rocking(ex.Disk.uniform(), excess=[1.001])
-    >>> print(f"{found.chi[0]:.4f} rad, the smallest oscillation {found.slowest:.4f} rad")
+    >>> found = ex.rocking(ex.Disk.uniform(), excess=1.001)
+    >>> print(f"{found.chi:.4f} rad, the smallest oscillation {found.slowest:.4f} rad")
     8.1109 rad, the smallest oscillation 8.1116 rad
     """
 
@@ -101,20 +101,21 @@ def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HA
     Examples
     --------
     >>> import explorer as ex
-    >>> found = ex.rocking(ex.Disk.uniform(), excess=[100.0])
-    >>> print(f"{found.chi[0]:.3f} of {found.disk.race_limit:.3f}")
+    >>> found = ex.rocking(ex.Disk.uniform(), excess=100.0)
+    >>> print(f"{found.chi:.3f} of {found.disk.race_limit:.3f}")
     7.032 of 7.025
     """
     require_axial_inertia(disk)
     b, unit = disk.body, disk.rate_unit
     (ratio,), shape = read_columns(excess=EXCESS if excess is None else excess)
     eta = eta_hat_to_eta(disk.body, number("eta_hat", eta_hat) / unit)
-    if ratio.size == 0 or not (np.isfinite(ratio).all() and (ratio > 1.0).all()):
+    if not (np.isfinite(ratio).all() and (ratio > 1.0).all()):
         raise InputError(f"excess = {excess!r}: give finite numbers above 1; the bottom of the well is at 1")
     theta_0 = math.exp((2.0 * math.log(abs(eta)) - math.log(b.I1)) / 3.0) if abs(eta) > 0.0 else math.nan
-    if not 1.5 * ratio.max() * theta_0 <= _LARGEST_TILT:
+    most = ratio.max(initial=1.0)
+    if not 1.5 * most * theta_0 <= _LARGEST_TILT:
         raise InputError(
-            f"eta_hat = {eta_hat!r}: must not be 0, and so small that excess {ratio.max():g} stays below a tilt "
+            f"eta_hat = {eta_hat!r}: must not be 0, and so small that excess {most:g} stays below a tilt "
             f"of {_LARGEST_TILT} rad; give for instance {ETA_HAT:g}"
         )
     # u = theta/theta_0; V - V_0 = m g r theta_0 (1/(2 u^2) + u) up to a share of theta_0
@@ -122,6 +123,6 @@ def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HA
     states = theta_to_states(disk, theta_0, speed * unit, eta / b.I1 * unit, 0.0)
     # The eta of these states is meant: its rounding shifts the turn by no more than terms of order theta_0.
     motion = states.motion._replace(rounding_plus=0.0 * ratio, rounding_minus=0.0 * ratio)
-    found = periods(replace(states.flat, given=motion), accuracy=_ACCURACY)
+    found = periods(replace(states, given=motion), accuracy=_ACCURACY)
     above = (found.energy / disk.energy_unit - energy_at_flat(disk.body, motion.sigma3_bar)) / (1.5 * theta_0)
     return Rocking(disk, above, found.chi, found.theta_min, found.period, found.status, theta_0).reshaped(shape)

@@ -82,7 +82,7 @@ def constants(states: States) -> Constants:
     --------
     >>> import explorer as ex
     >>> found = ex.constants(ex.phi_to_states(ex.Disk.uniform(), phi=0.0, phidot=1.0, sigma3=1.0, sigma4=0.7))
-    >>> found.eta_hat_plus.round(4), found.energy
+    >>> found.eta_hat_plus.round(4), found.energy.round(4)
     (np.float64(0.0286), np.float64(2.1175))
     """
     disk, unit, motion = require_states(states).disk, states.disk.rate_unit, states.motion

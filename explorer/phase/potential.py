@@ -22,6 +22,7 @@ from explorer.phase.arguments import column, read_range
 from explorer.phase.disk import LARGEST_RATE, Disk, require_axial_inertia
 from explorer.phase.energy import energy_at, energy_at_flat, eta_hat_to_eta
 from explorer.phase.linear_constants import line_chart, line_slope, nearer_plus, other_eta_hat
+from explorer.phase.results import in_shape
 from explorer.phase.roots import changes_of_sign, roots_among
 from explorer.phase.states import Array
 
@@ -180,7 +181,7 @@ class Potential:
         if not np.all(abs(angle) < 0.5 * np.pi):
             raise InputError("phi: V is defined between the flat states; give -pi/2 < phi < pi/2 (rad)")
         values: Array = getattr(self.terms(np.cos(angle.ravel()), np.sin(angle.ravel())), term)
-        return (values * unit).reshape(angle.shape)
+        return in_shape(values * unit, angle.shape)
 
     def V(self, phi: ArrayLike) -> Array:
         """The amended potential, eq. (3.8), at phi (rad)."""

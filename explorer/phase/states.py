@@ -6,6 +6,7 @@ Users give (phi, phidot, sigma3, sigma4) in the units of the disk; kernels take
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -34,7 +35,7 @@ class StateWarning(UserWarning):
     ...     warnings.simplefilter("always")
     ...     states = ex.rates_to_states(ex.Disk.uniform(), tilt=10.0, tilt_rate=0.0, precession=1.0, spin=0.0)
     >>> [warning.category.__name__ for warning in caught], states.status.tolist()
-    (['StateWarning'], [2])
+    (['StateWarning'], 2)
     """
 
 
@@ -60,7 +61,9 @@ class States(WithStatus):
         Rows q = cos phi, z = sin phi, p = -phidot, rho = sigma3/q and sigma4, in natural units, of all states one
         after the other.
     codes : (n,) array of int8
-        The statuses, likewise. A state that is not finite or already flat is BAD_INPUT and is never followed.
+        The statuses, likewise.
+    status : array of int8
+        `Status` of each state. A state that is not finite or already flat is BAD_INPUT and is never followed.
     given : Motion or None
         sigma3_bar, eta_plus and eta_minus (natural units) where they were given rather than computed from the
         state, so that eta may be smaller than the state's rounding.
@@ -76,6 +79,8 @@ class States(WithStatus):
     (2, array([0, 2], dtype=int8))
     >>> states
     States of 2 of the disk uniform: ok 1, bad_input 1; tilts 90 to 90 degrees
+    >>> states[0].shape, states[states.ok].shape
+    ((), (1,))
     """
 
     disk: Disk
@@ -88,14 +93,14 @@ class States(WithStatus):
         """Without a shape the states stand in a row. Raises InputError for what are no states."""
         require_disk(self.disk)
         natural, status = self.natural, self.codes
-        # Kernels take these arrays as they are in memory.
-        right = natural.dtype == np.float64 and natural.flags.carray and status.dtype.kind == "i"
-        columns = (status, *(self.given or ()))
-        if not right or natural.shape != (5, status.size) or any(c.shape != (status.size,) for c in columns):
-            what = f"natural = {shown(natural)}, status = {shown(status)}"
-            raise InputError(f"States: {what}; make them by phi_to_states or another of its kind")
         if self.shape == (-1,):
             object.__setattr__(self, "shape", (status.size,))
+        # Kernels take these arrays as they are in memory.
+        right = natural.dtype == np.float64 and natural.flags.carray and status.dtype.kind == "i"
+        right &= natural.shape == (5, status.size) and math.prod(self.shape) == status.size
+        if not right or any(column.shape != (status.size,) for column in (status, *(self.given or ()))):
+            what = f"natural = {shown(natural)}, status = {shown(status)}, shape = {self.shape}"
+            raise InputError(f"States: {what}; make them by phi_to_states or another of its kind")
 
     @property
     def status(self) -> NDArray[np.int8]:  # type: ignore[override]
@@ -107,11 +112,6 @@ class States(WithStatus):
         tilt = np.degrees(np.arctan2(self.rows.q, abs(self.rows.z))[self.codes == compiled.status.Status.OK])
         tilts = f"; tilts {tilt.min():.3g} to {tilt.max():.3g} degrees" if tilt.size else ""
         return f"States of {self.size:,}{shape} of the disk {self.disk.name}: {self._counted()}{tilts}"
-
-    @property
-    def size(self) -> int:
-        """Number of states, whatever the shape."""
-        return int(self.natural.shape[1])
 
     def at(self, rows: slice | NDArray[Any]) -> States:
         """Some of the states, by their numbers among all, in a row."""

@@ -73,11 +73,12 @@ def test_help_names_what_a_class_holds(name):
 
 
 def of_methods():
-    """name -> text, for methods of public classes whose help has an example."""
-    classes = {name: value for name, value in OBJECTS.items() if inspect.isclass(value)}
+    """name -> text, for methods of public classes, also of what these inherit, whose help has an example."""
+    bases = {base for kind in OBJECTS.values() if inspect.isclass(kind) for base in kind.__mro__}
     helps = {
-        f"{name}.{each}": inspect.getdoc(value)
-        for name, kind in classes.items()
+        f"{kind.__name__}.{each}": inspect.getdoc(value)
+        for kind in sorted(bases, key=repr)
+        if kind.__module__.startswith("explorer")
         for each, value in vars(kind).items()
     }
     return {name: text for name, text in helps.items() if text and ">>> " in text}
@@ -87,7 +88,7 @@ EXAMPLES = {name: inspect.getdoc(value) for name, value in OBJECTS.items()} | of
 
 
 def test_methods_of_disks_states_and_runs_have_examples():
-    for name in ("Disk.parse", "Disk.annulus", "Disk.from_ratios", "States.reversed", "Run.frame", "Run.verify"):
+    for name in ("Disk.parse", "Disk.annulus", "Disk.from_ratios", "States.reversed", "Shaped.__getitem__", "Run.frame", "Run.verify"):
         assert name in EXAMPLES
 
 

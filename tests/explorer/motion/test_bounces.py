@@ -132,7 +132,7 @@ def test_a_bad_state_is_a_status_and_its_neighbours_are_as_without_it():
 def test_a_cloud_about_steady_motion_is_known_to_any_accuracy(accuracy):
     """A coin at 10 +- 1 degrees; among them swings of a thousandth of a degree, and the steady motion itself."""
     coin, random = DISKS["coin"], np.random.default_rng(6)
-    spin = ex.steady_motions(coin, np.radians(10.0), 60.0).spin[0]
+    spin = ex.steady_motions(coin, np.radians(10.0), 60.0).spin
     spread = np.append(10.0 ** random.uniform(-5.0, 0.0, 199), 0.0)
     normal = random.normal(0.0, 1.0, (4, 200)) * spread
     tilt = np.radians(10.0 + normal[0])
@@ -190,8 +190,8 @@ def test_a_disk_that_spins_upright_comes_down_on_both_faces_in_turn():
     np.testing.assert_allclose(periods.period[3:], periods.period[2], rtol=1e-10)
     still = ex.bounces(ex.phi_to_states(disk, 0.0, 0.0, 2.0, 0.0))
     assert still.ok.all()
-    assert still.theta_min[0, 0] == pytest.approx(0.5 * np.pi)
-    assert still.duration[0, 0] == pytest.approx(periods.period[4])
+    assert still.theta_min[0] == pytest.approx(0.5 * np.pi)
+    assert still.duration[0] == pytest.approx(periods.period[4])
 
 
 @pytest.mark.filterwarnings("ignore:t_eval")  # only the two ends of the stretch are asked for

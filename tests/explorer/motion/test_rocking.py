@@ -85,7 +85,6 @@ def test_motions_have_the_shape_of_their_energies_and_a_status():
     ("call", "says"),
     [
         (lambda: rocking(UNIFORM, [0.9, 2.0]), "excess = [0.9, 2.0]"),
-        (lambda: rocking(UNIFORM, []), "excess = []"),
         (lambda: rocking(UNIFORM, [2.0], 0.0), "eta_hat = 0.0"),
         (lambda: rocking(UNIFORM, [2.0], [[]]), "eta_hat = [[]] is not a number"),
         (lambda: rocking(UNIFORM, [1e4], 1e-3), "eta_hat = 0.001"),

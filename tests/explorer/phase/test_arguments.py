@@ -78,7 +78,7 @@ def test_columns_have_the_shape_to_which_arguments_broadcast():
     assert shape == (3, 2)
     np.testing.assert_array_equal(rate, [1.0, 2.0] * 3)
     assert phi.shape == (6,)
-    assert read_columns(phi=1.0)[1] == (1,)
+    assert read_columns(phi=1.0)[1] == ()
 
 
 def test_what_was_given_is_not_what_is_returned():

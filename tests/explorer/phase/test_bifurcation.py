@@ -28,7 +28,7 @@ def steady(disk, phi, precession):
     """The steady motion at a tilt from the vertical, its constants and its potential."""
     motion = ex.steady_motions(disk, 0.5 * np.pi - abs(phi), precession, face=np.sign(phi))
     found = ex.constants(motion.states)
-    return motion, found, ex.potential(disk, found.sigma3_bar[0], sigma4_bar=found.sigma4_bar[0])
+    return motion, found, ex.potential(disk, found.sigma3_bar, sigma4_bar=found.sigma4_bar)
 
 
 def test_closed_forms_of_the_thresholds_are_those_of_v(body):
@@ -41,7 +41,7 @@ def test_closed_forms_of_the_thresholds_are_those_of_v(body):
         ):
             assert np.sign(upright.d2V(0.0)) == side
     for lean, radius in ((0.1, 5.0), (0.7, 1.0), (1.4, 2.0)):
-        rate = ex.circular_rolling(body, lean, radius * body.r).precession[0]
+        rate = ex.circular_rolling(body, lean, radius * body.r).precession
         slopes = [steady(body, -lean, rate)[2].dV(-lean + step) for step in (-1e-9, 1e-9)]
         assert slopes[0] * slopes[1] < 0.0
 
@@ -58,14 +58,13 @@ def test_steady_motions_solve_the_potential_and_simulate_as_circles(paper_body):
     for phi, precession in ((-0.7, 1.3), (0.4, -2.0), (-1.3, 0.8)):
         motion, _, potential = steady(disk, phi, precession)
         assert abs(float(potential.dV(phi))) < 1e-13 * (1.0 + precession**2)
-        assert (float(potential.d2V(phi)) > 0.0) == motion.stable[0]
+        assert (float(potential.d2V(phi)) > 0.0) == motion.stable
         assert min(abs(at.phi - phi) for at in potential.equilibria) < 1e-12
         run = ex.simulate(motion.states, 3.0, observables=("phi", "chi", "contact"), accuracy=1e-10)
-        assert abs(run.phi[0] - phi).max() < 1e-9
-        assert run.chi[0, -1] == pytest.approx(3.0 * precession, rel=1e-9)
+        assert abs(run.phi - phi).max() < 1e-9
+        assert run.chi[-1] == pytest.approx(3.0 * precession, rel=1e-9)
         # The contact point keeps its distance from the centre of its circle
-        chi = run.chi[0]
-        centre = run.contact[0, :, :2] + motion.radius * np.stack([np.cos(chi), np.sin(chi)], axis=1)
+        centre = run.contact[:, :2] + motion.radius * np.stack([np.cos(run.chi), np.sin(run.chi)], axis=1)
         assert abs(centre - centre[0]).max() < 1e-8
 
 
@@ -82,13 +81,13 @@ def test_saddle_nodes_have_no_slope_and_no_curvature_and_meet_the_line_where_the
 
     def off_line(t):
         tilt = -last * math.sin(t)
-        return steady(body, tilt, stability_edges(body, tilt)[1, 0])[1].eta_hat_plus[0]
+        return steady(body, tilt, stability_edges(body, tilt)[1, 0])[1].eta_hat_plus
 
     at = brentq(off_line, 0.5, 0.5 * math.pi - 1e-6)
     tilt = -last * math.sin(at)
     found = steady(body, tilt, stability_edges(body, tilt)[1, 0])[1]
     angle, most = well(body)
-    assert abs(found.sigma3_bar[0]) == pytest.approx(most * body.rate_unit, rel=1e-9)
+    assert abs(found.sigma3_bar) == pytest.approx(most * body.rate_unit, rel=1e-9)
     assert tilt == pytest.approx(angle, abs=1e-5)
 
 

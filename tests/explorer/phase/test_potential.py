@@ -33,7 +33,7 @@ def state_at(potential, phi, phidot):
     """A state with these constants, found by the chart of the states and not by the potential."""
     disk = potential.disk
     grid = [ex.constants(ex.phi_to_states(disk, phi, 0.0, s3, s4)) for s3, s4 in ((1.0, 0.0), (0.0, 1.0))]
-    map_ = np.array([[g.sigma3_bar[0] for g in grid], [g.sigma4_bar[0] for g in grid]])
+    map_ = np.array([[g.sigma3_bar for g in grid], [g.sigma4_bar for g in grid]])
     s3, s4 = np.linalg.solve(map_, [potential.sigma3_bar, potential.sigma4_bar])
     return phi, phidot, s3, s4
 
@@ -44,7 +44,7 @@ def test_v_is_the_energy_of_a_state_at_rest_with_the_same_constants(body, row):
     potential = Potential(body, row[0], row[1], row[2])
     for phi in (-1.2, -0.4, 0.0, 0.7, 1.3):
         found = ex.constants(ex.phi_to_states(body, *state_at(potential, phi, 0.7 * unit)))
-        energy = found.energy[0] - 0.5 * body.body.M * 0.49 * body.energy_unit
+        energy = found.energy - 0.5 * body.body.M * 0.49 * body.energy_unit
         assert energy == pytest.approx(float(potential.V(phi)), rel=1e-11)
 
 
@@ -110,7 +110,7 @@ def test_no_equilibrium_is_missed_however_thin_the_body_and_far_the_wall():
                 given = {"sigma3_bar": made.sigma3_bar, "eta_hat": made.eta_hat, "face": face}
                 states = ex.coordinates_to_states(disk, phi=at.phi, energy=1.01 * at.energy, **given)
                 tilt = 2.0 * math.atan(math.exp(-max(map(abs, pieces[0].y))))
-                assert ex.periods(states).theta_min[0] == pytest.approx(tilt, rel=1e-9)
+                assert ex.periods(states).theta_min == pytest.approx(tilt, rel=1e-9)
 
 
 @pytest.mark.parametrize(("I1", "I3", "bar", "eta_hat"), [(0.3, 1e-7, 10.0, 1.0), (0.00186, 9.3e-9, 1.6, 0.43)])
@@ -137,7 +137,7 @@ def test_a_motion_started_at_a_centre_stays_and_one_at_a_saddle_leaves():
         run = ex.simulate(
             ex.phi_to_states(UNIFORM, *state_at(potential, at.phi, 0.0)), 20.0, observables=("phi",), accuracy=1e-9
         )
-        away = abs(run.phi[0] - at.phi)
+        away = abs(run.phi - at.phi)
         if at.kind == CENTRE:
             assert away.max() < 1e-9
         else:
@@ -147,7 +147,7 @@ def test_a_motion_started_at_a_centre_stays_and_one_at_a_saddle_leaves():
             assert away.max() < 1e-8 * math.exp(20.0 * rate)
         nudged = state_at(potential, at.phi, 1e-4)
         run = ex.simulate(ex.phi_to_states(UNIFORM, *nudged), 20.0, observables=("phi",))
-        assert (abs(run.phi[0] - at.phi).max() < 1e-3) == (at.kind == CENTRE)
+        assert (abs(run.phi - at.phi).max() < 1e-3) == (at.kind == CENTRE)
 
 
 @pytest.mark.parametrize("row", CONSTANTS)
@@ -160,7 +160,7 @@ def test_levels_conserve_energy_against_the_constants_of_states(body, row):
             phi, phidot = potential.curve(piece)
             inner = np.flatnonzero(abs(phi) < 1.4)[::23]
             for i in inner:
-                found = ex.constants(ex.phi_to_states(body, *state_at(potential, phi[i], phidot[i]))).energy[0]
+                found = ex.constants(ex.phi_to_states(body, *state_at(potential, phi[i], phidot[i]))).energy
                 assert found == pytest.approx(energy, rel=1e-10)
             ends = zip(piece.ends, (piece.low, piece.high), phidot[[0, -1]], strict=True)
             for end, edge, speed in ends:
@@ -185,8 +185,8 @@ def test_motions_run_along_their_level_between_its_ends(eta):
     )
     assert run.phi.min() == pytest.approx(piece.low, abs=1e-4)
     assert run.phi.max() == pytest.approx(piece.high, abs=1e-4)
-    phi = np.clip(run.phi[0], piece.low, piece.high)
-    along = 0.5 * UNIFORM.body.M * run.phidot[0] ** 2 + potential.V(phi)
+    phi = np.clip(run.phi, piece.low, piece.high)
+    along = 0.5 * UNIFORM.body.M * run.phidot**2 + potential.V(phi)
     # Near the wall V' is about 1e3: what phi does not know, V cannot
     assert abs(along[abs(phi) < 1.4] - energy).max() < 1e-8
 
