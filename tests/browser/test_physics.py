@@ -79,12 +79,12 @@ def test_the_motion_in_time_is_that_of_python(javascript, face, eta_hat):
     python = trajectories(states, t_eval=times, observables=names, accuracy=1e-10)
     (found,) = javascript(SAMPLES, [motion(disk, 0.8, eta_hat, 0.9, face=face, times=list(times))])
     q, z, p, _rho, sigma4, _t, chi, psi, a1, a2, _clock = np.transpose(found)
-    assert np.allclose(np.arctan2(z, q), python.phi[0], atol=2e-6)
-    assert np.allclose(-p, python.phidot[0], atol=2e-6)
-    assert np.allclose(sigma4, python.sigma4[0], atol=2e-6)
-    assert np.allclose(chi, python.chi[0], atol=5e-6)
-    assert np.allclose(psi, python.psi[0], atol=5e-6)
-    assert np.allclose(np.stack([a1, a2], axis=1), python.path[0, :, :2], atol=5e-6)
+    assert np.allclose(np.arctan2(z, q), python.phi, atol=2e-6)
+    assert np.allclose(-p, python.phidot, atol=2e-6)
+    assert np.allclose(sigma4, python.sigma4, atol=2e-6)
+    assert np.allclose(chi, python.chi, atol=5e-6)
+    assert np.allclose(psi, python.psi, atol=5e-6)
+    assert np.allclose(np.stack([a1, a2], axis=1), python.path[:, :2], atol=5e-6)
 
 
 def test_no_race_goes_the_wrong_way(javascript):

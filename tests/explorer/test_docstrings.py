@@ -88,7 +88,15 @@ EXAMPLES = {name: inspect.getdoc(value) for name, value in OBJECTS.items()} | of
 
 
 def test_methods_of_disks_states_and_runs_have_examples():
-    for name in ("Disk.parse", "Disk.annulus", "Disk.from_ratios", "States.reversed", "Shaped.__getitem__", "Run.frame", "Run.verify"):
+    for name in (
+        "Disk.parse",
+        "Disk.annulus",
+        "Disk.from_ratios",
+        "States.reversed",
+        "Shaped.__getitem__",
+        "Run.frame",
+        "Run.verify",
+    ):
         assert name in EXAMPLES
 
 

@@ -71,7 +71,9 @@ def arrays_of(found):
     shown = ("phi", "phidot", "sigma3", "sigma4", "status") if isinstance(found, ex.States) else ()
     names = [*shown, *(field.name for field in fields(found) if not shown and not field.name.startswith("_"))]
     arrays = {name: getattr(found, name) for name in names} | dict(getattr(found, "values", None) or {})
-    arrays |= {name: getattr(found, name) for name in ("ok", "status_names", "side", "step") if hasattr(found, name)}
+    arrays |= {
+        name: getattr(found, name) for name in ("ok", "status_names", "side", "step") if hasattr(found, name)
+    }
     return {name: values for name, values in arrays.items() if isinstance(values, np.ndarray | np.generic)}
 
 

@@ -60,9 +60,9 @@ def test_the_disk_is_flattest_when_a_bounce_says_so():
     bounces = ex.bounces(states, 3, accuracy=1e-10)
     for i in np.flatnonzero(bounces.status[:, 0] == 0):
         motion = ex.simulate(states[i], t_eval=bounces.time[i], observables=("phi", "phidot"), accuracy=1e-11)
-        np.testing.assert_allclose(0.5 * np.pi - abs(motion.phi[0]), bounces.theta_min[i], atol=1e-8)
-        np.testing.assert_allclose(motion.phidot[0], 0.0, atol=1e-6)
-        assert (np.sign(motion.phi[0]) == bounces.face[i]).all()
+        np.testing.assert_allclose(0.5 * np.pi - abs(motion.phi), bounces.theta_min[i], atol=1e-8)
+        np.testing.assert_allclose(motion.phidot, 0.0, atol=1e-6)
+        assert (np.sign(motion.phi) == bounces.face[i]).all()
 
 
 def test_race_angles_of_a_wobbling_coin_tend_to_kappa_pi_by_decade():

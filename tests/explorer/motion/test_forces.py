@@ -18,8 +18,8 @@ def along(disk, eta_hat, sigma3_bar, speed):
     start, unit = ex.constants_to_states(disk, sigma3_bar, eta_hat, speed), disk.rate_unit
     names = ("phi", "phidot", "sigma3", "sigma4")
     motion = trajectories(start, float(ex.periods(start).period), observables=names, accuracy=1e-9)
-    at = motion(finer(motion.t[0], 4))
-    phi, *rates = (getattr(at, name)[0] for name in names)
+    at = motion(finer(motion.t, 4))
+    phi, *rates = (getattr(at, name) for name in names)
     force = []
     for q, z, p, s3, s4 in zip(
         np.cos(phi), np.sin(phi), *(rate / unit for rate in (-rates[0], *rates[1:])), strict=True
@@ -48,9 +48,9 @@ def test_the_extremes_are_those_along_the_motion(sigma3_bar, eta_hat, speed):
     beyond = np.flatnonzero(theta[1:] >= 0.5 * np.pi)
     here = slice(0, 1 + beyond[0] if beyond.size else None)
     normal, friction = normal[here], friction[here]
-    assert found.min_normal_force[0] == pytest.approx(normal.min(), rel=2e-3)
+    assert found.min_normal_force == pytest.approx(normal.min(), rel=2e-3)
     if np.isnan(friction).any():
-        assert found.max_friction[0] == np.inf
+        assert found.max_friction == np.inf
     else:
         assert found.max_friction[0] == pytest.approx(friction.max(), rel=2e-3)
 
@@ -98,6 +98,6 @@ def test_the_forces_are_what_the_centre_s_path_needs():
     for row in (np.linspace(0.1, 0.9, 5) * t.size).astype(int):
         moments = t[row] + step * np.array([-1.0, 0.0, 1.0])
         start = ex.constants_to_states(disk, 0.2, -0.3, 0.3)
-        path = ex.simulate(start, t_eval=moments, observables=("path",), accuracy=1e-11).path[0]
+        path = ex.simulate(start, t_eval=moments, observables=("path",), accuracy=1e-11).path
         pull = (path[0] - 2.0 * path[1] + path[2]) / step**2 + [0.0, 0.0, 1.0]
         assert (normal[row], friction[row]) == pytest.approx((pull[2], np.hypot(*pull[:2]) / pull[2]), abs=2e-4)

@@ -22,7 +22,7 @@ def test_constants_stay_bounded_and_angles_drift_in_proportion(accuracy):
     observables = ("phi", "phidot", "sigma3", "sigma4", "chi")
     times = counts * whole.period[0]
     motion = trajectories(start, None, times, observables=observables, accuracy=accuracy, max_steps=10**7)
-    *state, chi = (getattr(motion, name)[0] for name in observables)
+    *state, chi = (getattr(motion, name) for name in observables)
     now = ex.constants(ex.phi_to_states(COIN, *state))
     assert max(abs(getattr(now, name) / getattr(first, name) - 1.0).max() for name in NAMES) < accuracy
     drift = abs(chi - counts * whole.chi[0])
