@@ -34,10 +34,10 @@ def test_the_fall_from_the_vertical_agrees_with_the_limit_motion(paper_body):
 def agree(limit, states, accuracy):
     """Whether a limit motion has the period and angles of the motions beside it, by quadrature."""
     period = ex.periods(states, accuracy=accuracy)
-    assert limit.period == pytest.approx(period.period[0], rel=10.0 * accuracy)
-    assert limit.chi_per_period == pytest.approx(period.chi[0], abs=10.0 * accuracy)
+    assert limit.period == pytest.approx(period.period, rel=10.0 * accuracy)
+    assert limit.chi_per_period == pytest.approx(period.chi, abs=10.0 * accuracy)
     turned = limit(limit.period).psi - limit(0.0).psi
-    assert turned == pytest.approx(period.psi[0], abs=10.0 * accuracy)
+    assert turned == pytest.approx(period.psi, abs=10.0 * accuracy)
 
 
 @pytest.mark.parametrize("speed", [1e-6, 1.0, 1.865, 30.0, 1e4])
@@ -60,7 +60,7 @@ def over_the_barrier(disk, share, excess):
     """A start at the vertical, of a sigma3_bar that has a barrier, with a relative excess over its height."""
     bar = share * well(disk).sigma3_bar
     height = float(barrier(disk, np.array([bar]))[0])
-    energy = float(ex.constants(ex.constants_to_states(disk, bar, 0.0, 0.0)).energy[0])
+    energy = float(ex.constants(ex.constants_to_states(disk, bar, 0.0, 0.0)).energy)
     return bar, np.sqrt(2.0 * (height * (1.0 + excess) - energy) / disk.body.M)
 
 
@@ -87,7 +87,7 @@ def test_a_limit_motion_keeps_its_energy(body, sigma3_bar):
     moving = (here.velocity**2).sum(-1) / (body.r * unit) ** 2  # eq. (2.33): phidot^2 + sigma4^2
     turning = (here.nu**2).sum(-1) / unit**2  # and (sigma3/q)^2 more
     kinetic = b.M * tilting + b.I1 * (turning - moving) + b.J * (moving - tilting)
-    energy = ex.constants(states).energy[0] / body.energy_unit
+    energy = ex.constants(states).energy / body.energy_unit
     np.testing.assert_allclose(0.5 * kinetic + here.path[:, 2] / body.r, energy, rtol=1e-11)
 
 
@@ -117,7 +117,7 @@ def test_a_disk_at_rest_beside_flat_falls_like_a_plank_and_rises_again():
 
 def test_a_disk_at_rest_beside_the_upright_equilibrium_keels_over_in_its_time():
     states = ex.phi_to_states(UNIFORM, 0.0, 0.0, 1e-4, 0.7285923160189477e-4)
-    period = ex.periods(ex.constants_to_states(UNIFORM, 1e-4, 1e-200, 0.0)).period[0]
+    period = ex.periods(ex.constants_to_states(UNIFORM, 1e-4, 1e-200, 0.0)).period
     assert ex.limit_motion(states).period == pytest.approx(period, rel=1e-8)
 
 

@@ -25,15 +25,15 @@ UNIFORM, HOOP = BODIES["uniform"], BODIES["hoop"]
 def test_the_wander_is_that_of_the_figures_of_the_paper(disk, eta_hat, period, chi, step):
     """sigma1 = 0, sigma2 = sigma3 = 1: phidot = 1 at the vertical."""
     found = wander(start(disk, 1.0, eta_hat))
-    assert found.period[0] == pytest.approx(period, abs=1e-9)
-    assert found.chi[0] == pytest.approx(chi, abs=1e-7)
-    assert abs(found.step[0]) == pytest.approx(step, abs=6e-6)
+    assert found.period == pytest.approx(period, abs=1e-9)
+    assert found.chi == pytest.approx(chi, abs=1e-7)
+    assert abs(found.step) == pytest.approx(step, abs=6e-6)
 
 
 def test_one_period_tells_the_place_after_many(wanders):
     for found in wanders.values():
         places = found.wander.after(found.count)
-        after = np.isin(found.t, found.wander.period[0] * np.arange(found.count + 1))
+        after = np.isin(found.t, found.wander.period * np.arange(found.count + 1))
         assert after.sum() == found.count + 1
         np.testing.assert_allclose(found.centre[after] @ [1.0, 1j], places, atol=1e-6)
         # the contact point stays within a radius of the centre's shadow
@@ -44,15 +44,15 @@ def test_at_a_resonance_the_wander_has_no_bound_and_elsewhere_it_has(resonant, w
     root, states = resonant
     assert 0.15 < root < 0.3
     found = ex.periods(states, accuracy=1e-9)
-    assert found.chi[0] == pytest.approx(4.0 * math.pi, abs=1e-9)
+    assert found.chi == pytest.approx(4.0 * math.pi, abs=1e-9)
     beside = ex.periods(start(UNIFORM, root + 1e-3, 0.01), accuracy=1e-9)
-    assert abs(beside.chi[0] - 4.0 * math.pi) > 1e-4
+    assert abs(beside.chi - 4.0 * math.pi) > 1e-4
     walked = wanders["resonance"]
     distance = abs(walked.wander.after(1000))
-    np.testing.assert_allclose(distance, np.arange(1001) * abs(walked.wander.step[0]), rtol=1e-6)
-    assert np.hypot(*walked.centre[-1]) == pytest.approx(8 * abs(walked.wander.step[0]), rel=1e-6)
+    np.testing.assert_allclose(distance, np.arange(1001) * abs(walked.wander.step), rtol=1e-6)
+    assert np.hypot(*walked.centre[-1]) == pytest.approx(8 * abs(walked.wander.step), rel=1e-6)
     generic = wanders["generic"].wander
-    assert abs(generic.after(100_000)).max() == pytest.approx(2.0 * generic.radius[0], rel=1e-3)
+    assert abs(generic.after(100_000)).max() == pytest.approx(2.0 * generic.radius, rel=1e-3)
 
 
 def test_the_wander_scales_with_the_units():

@@ -20,7 +20,7 @@ def case(request):
 
 def test_rings_stand_at_the_flattest_moment_of_every_period(case):
     disk, side, both = case
-    theta_min = ex.passages(disk, 1.0, side * ETA_HAT, 1.0).theta_min[0]
+    theta_min = ex.passages(disk, 1.0, side * ETA_HAT, 1.0).theta_min
     phi = both.motions[side]["phi"][flattest(both, side)]
     assert 0.5 * np.pi - phi == pytest.approx(np.full(3, theta_min), rel=1e-2)
 

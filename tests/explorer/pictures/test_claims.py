@@ -235,10 +235,10 @@ def test_the_map_of_circular_rolling_is_stable_outside_the_edges():
 def test_dots_of_a_rosette_lie_on_its_circle_and_a_resonance_walks(wanders):
     (ax,) = ex.picture("rosette", wanders["generic"]).axes
     wander = wanders["generic"].wander
-    middle = wander.step[0] / (1.0 - np.exp(1j * wander.chi[0]))
+    middle = wander.step / (1.0 - np.exp(1j * wander.chi))
     dots, circle = (line.get_xydata() @ [1.0, 1j] for line in ax.lines[2:])
     for points in (dots, circle):
-        np.testing.assert_allclose(abs(points - middle), wander.radius[0])
+        np.testing.assert_allclose(abs(points - middle), wander.radius)
     (walk,) = ex.picture("rosette", wanders["resonance"]).axes
     assert len(walk.lines) == 3
     assert "it walks" in walk.get_title()
