@@ -249,7 +249,7 @@ from typing import Any, Literal, TypedDict, Unpack, overload
 import numpy as np
 
 from explorer.commands.plan import RunPlan
-from explorer.commands.trade import Trade
+from explorer.motion.work_precision import Trade
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 from explorer.measure.slices import Slice
