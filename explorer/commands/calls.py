@@ -9,7 +9,7 @@ from textwrap import fill, indent
 from typing import Any
 
 from explorer.commands.plan import RunPlan, planned
-from explorer.commands.trade import Trading, measured
+from explorer.commands.trade import TradeOptions, measured
 from explorer.motion.work_precision import Trade
 from explorer.runs.run import Run, execute
 from explorer.runs.settings import Settings, asked
@@ -104,7 +104,7 @@ def trade(**options: Any) -> Trade:
     >>> import explorer as ex
     >>> found = ex.trade(disk="hoop", samples=1024)  # doctest: +SKIP
     """
-    return measured(Trading.of(options))
+    return measured(TradeOptions.of(options))
 
 
 def _entries(kinds: list[type[Options]]) -> dict[str, str]:
@@ -135,4 +135,4 @@ def _document(function: Callable[..., Any], kinds: list[type[Options]]) -> None:
 
 for _function in (run, plan):
     _document(_function, [Settings, *map(scene_class, NAMES)])
-_document(trade, [Trading])
+_document(trade, [TradeOptions])

@@ -29,7 +29,7 @@ set F is unknown, *refused* the share without an answer for another reason, and 
 came out on the other side of F. *on_front* is True if no other integrator is both as fast and as accurate."""
 
 
-class Trading(Options):
+class TradeOptions(Options):
     """Passages that start near the falling set at the vertical."""
 
     name: ClassVar[str] = "trade"
@@ -61,14 +61,14 @@ class Trading(Options):
         return coordinates_to_states(self.disk, degrees=False, **samples), exact
 
 
-def measured(chosen: Trading) -> Trade:
+def measured(chosen: TradeOptions) -> Trade:
     """What `ex.trade` returns. Raises InputError."""
     return measure(*chosen.drawn(), lambda text: note(text, not chosen.progress))
 
 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the options of `nearflat trade`."""
-    Trading.add_to(command)
+    TradeOptions.add_to(command)
     command.add_argument("--out", metavar="DIR", type=Path, default=_OUT, help=f"folder (default {_OUT})")
 
 
@@ -81,7 +81,7 @@ def call(options: argparse.Namespace) -> Answer:
     from explorer.pictures.style import SIZE
     from explorer.pictures.work_precision import work_precision
 
-    asked = Trading.of({**Trading.said(options), "progress": not options.quiet})
+    asked = TradeOptions.of({**TradeOptions.said(options), "progress": not options.quiet})
     out, found = own_folder("out", options.out), measured(asked)
     figure = Figure(figsize=SIZE, layout="constrained")
     work_precision(found, ax=figure.subplots())

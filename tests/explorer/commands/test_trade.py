@@ -13,7 +13,7 @@ from explorer.motion.work_precision import ASKED
 
 def test_passages_of_a_trade_are_those_of_the_run():
     given = {"disk": "hoop", "samples": 500, "seed": 3, "eta_hat": "1e-7:1e-1", "box": "phidot=0.3:1"}
-    states, exact = trade.Trading(**given).drawn()
+    states, exact = trade.TradeOptions(**given).drawn()
     run = ex.run("race-angles", keep="all", **given).frame()
     assert exact.ok.all()
     np.testing.assert_allclose(exact.race_angle, run["race_angle"], rtol=0.0, atol=1e-6)
@@ -21,10 +21,10 @@ def test_passages_of_a_trade_are_those_of_the_run():
 
 
 def test_passages_at_all_distances_are_measured_unless_it_is_said():
-    asked = trade.Trading.of({"disk": "uniform:m=5.67e-3,r=12.1e-3,g=9.81"})
+    asked = trade.TradeOptions.of({"disk": "uniform:m=5.67e-3,r=12.1e-3,g=9.81"})
     assert asked.scene.samples == 4096
     assert asked.scene.eta_hat == pytest.approx((1e-8 * asked.disk.rate_unit, asked.disk.rate_unit))
-    assert trade.Trading.of({"eta_hat": "1e-3:1e-2"}).scene.eta_hat == (1e-3, 1e-2)
+    assert trade.TradeOptions.of({"eta_hat": "1e-3:1e-2"}).scene.eta_hat == (1e-3, 1e-2)
 
 
 @pytest.mark.parametrize(
