@@ -8,7 +8,7 @@ from kernels.disk.body import Body
 from kernels.disk.chaplygin import Solutions
 from kernels.disk.elementary import EPSILON, SMALLEST, log_ratio, logarithm
 from kernels.disk.field import State
-from kernels.disk.rows import Entry
+from kernels.records import Entry
 
 
 class Constants(NamedTuple, Generic[Entry]):
