@@ -22,7 +22,7 @@ from kernels.disk.algebra import (
 )
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import Solutions
-from kernels.disk.constants import nearer_plus
+from kernels.disk.constants import nearer_minus
 from kernels.disk.falling import (
     FALLS_BACK,
     PASSES,
@@ -47,6 +47,8 @@ _TIE = 1e-12
 # Bits of a code. The nearer face is +1; there eta is 0 to rounding; there the disk could fall, were it 0; and
 # whether it could on either face.
 PLUS, ON_F, COULD, COULD_PLUS, COULD_MINUS = 1, 2, 4, 8, 16
+
+_nearer_minus = device(nearer_minus)
 
 
 @device
@@ -131,7 +133,7 @@ def encode(W: Vector) -> None:
         on_minus = abs(found.eta_minus) <= found.rounding_minus
         # On both lines it is the face on which the disk falls.
         both = on_plus and on_minus and could_plus != could_minus
-        plus = could_plus if both else nearer_plus(found.eta_plus, found.eta_minus)
+        plus = could_plus if both else not _nearer_minus(found.eta_plus, found.eta_minus)
         code = (COULD_PLUS if could_plus else 0) + (COULD_MINUS if could_minus else 0) + (PLUS if plus else 0)
         code += (ON_F if (on_plus if plus else on_minus) else 0) + (
             COULD if (could_plus if plus else could_minus) else 0
