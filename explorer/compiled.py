@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from kernels.disk import algebra as algebra
     from kernels.disk import body as body
     from kernels.disk import chaplygin as chaplygin
+    from kernels.disk import constants as constants
     from kernels.disk import counting as counting
     from kernels.disk import falling as falling
     from kernels.disk import field as field

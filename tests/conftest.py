@@ -96,8 +96,8 @@ def wanders(made_once):
 
 @pytest.fixture(scope="session")
 def traded(made_once):
-    """Every method measured on a few passages and motions of the hoop."""
-    few = {"samples": 300, "motions": 64, "eta_hat": (1e-8, 1.0), "progress": False}
+    """Every method measured on a few passages of the hoop."""
+    few = {"samples": 300, "eta_hat": (1e-8, 1.0), "progress": False}
     return made_once("traded", lambda: trade(disk=BODIES["hoop"], **few))
 
 

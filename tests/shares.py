@@ -3,10 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
+from reference_samples import IN_TIME, RACING, ReferenceMotions, ReferencePassages
 
 import explorer as ex
 from explorer.motion.passage_starts import starts_at_vertical
-from explorer.motion.reference_samples import IN_TIME, RACING, ReferenceMotions, ReferencePassages
 
 ACCURACIES = 10.0 ** -np.arange(2, 11)
 INTEGRATORS = ("rk4", "rk8", "dopri5", "dop853")

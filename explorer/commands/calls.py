@@ -9,7 +9,8 @@ from textwrap import fill, indent
 from typing import Any
 
 from explorer.commands.plan import RunPlan, planned
-from explorer.commands.trade import Trade, Trading, measured
+from explorer.commands.trade import TradeOptions, measured
+from explorer.motion.work_precision import Trade
 from explorer.runs.run import Run, execute
 from explorer.runs.settings import Settings, asked
 from explorer.scenes.options import Options, described, options_of
@@ -79,7 +80,7 @@ def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
 
 
 def trade(**options: Any) -> Trade:
-    """Measure the error and the cost of every method on passages near the falling set, and on motions in time.
+    """Measure the error and the cost of every method on passages near the falling set.
 
     Passages are compared with a quadrature that uses no precomputed tables. Motions in time are compared with far
     finer steps. Costs are those of the calls `passages` and `simulate`, on one core, without compile time. For
@@ -91,7 +92,7 @@ def trade(**options: Any) -> Trade:
     Returns
     -------
     Trade
-        Each of its `parts` can be drawn: `ex.picture("work-precision", part)`.
+        `ex.picture("work-precision", found)` draws it; if you print it, you get its table.
 
     Raises
     ------
@@ -101,9 +102,9 @@ def trade(**options: Any) -> Trade:
     Examples
     --------
     >>> import explorer as ex
-    >>> found = ex.trade(disk="hoop", samples=1024, motions=0)  # doctest: +SKIP
+    >>> found = ex.trade(disk="hoop", samples=1024)  # doctest: +SKIP
     """
-    return measured(Trading.of(options))
+    return measured(TradeOptions.of(options))
 
 
 def _entries(kinds: list[type[Options]]) -> dict[str, str]:
@@ -134,4 +135,4 @@ def _document(function: Callable[..., Any], kinds: list[type[Options]]) -> None:
 
 for _function in (run, plan):
     _document(_function, [Settings, *map(scene_class, NAMES)])
-_document(trade, [Trading])
+_document(trade, [TradeOptions])

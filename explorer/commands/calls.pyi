@@ -7,7 +7,7 @@ from typing import Any, Literal, TypedDict, Unpack, overload
 import numpy as np
 
 from explorer.commands.plan import RunPlan
-from explorer.commands.trade import Trade
+from explorer.motion.work_precision import Trade
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 from explorer.measure.slices import Slice
@@ -58,4 +58,4 @@ def plan(scene: Known, **options: Unpack[Keywords]) -> RunPlan: ...
 @overload
 def plan(scene: str | type[Scene], **options: Any) -> RunPlan: ...
 
-def trade(*, disk: Disk | str = ..., samples: int | float | str = ..., seed: int | float | str = ..., box: str | Mapping[str, Any] = ..., eta_hat: str | float | tuple[float, float] = ..., motions: int | float | str = ..., t_end: float | str = ..., progress: bool = ...) -> Trade: ...
+def trade(*, disk: Disk | str = ..., samples: int | float | str = ..., seed: int | float | str = ..., box: str | Mapping[str, Any] = ..., eta_hat: str | float | tuple[float, float] = ..., progress: bool = ...) -> Trade: ...

@@ -22,7 +22,7 @@ _NUMBERS = (
 )
 
 
-class Start(Options):
+class PassageOptions(Options):
     """A motion at the vertical."""
 
     disk: Disk = option(DISK, "as for run", default=Disk.uniform())
@@ -43,7 +43,7 @@ class Start(Options):
     )
 
 
-def passage_report(start: Start) -> dict[str, Any]:
+def passage_report(start: PassageOptions) -> dict[str, Any]:
     """What `nearflat passage --json` prints. Quantities that do not exist are None."""
     disk, at = start.disk, (start.sigma3_bar, start.eta_hat, start.phidot)
     how: dict[str, Any] = {"method": start.method, "accuracy": start.accuracy, "window": start.window}
@@ -99,12 +99,12 @@ def passage_text(report: dict[str, Any], disk: Disk) -> str:
     return "\n".join(lines)
 
 
-add_arguments = Start.add_to
+add_arguments = PassageOptions.add_to
 
 
 def call(options: argparse.Namespace) -> Answer:
     """Say what is known of the passage."""
-    start = Start.of(Start.said(options))
+    start = PassageOptions.of(PassageOptions.said(options))
     called = (*passage_kernels(plan(OBSERVABLES, start.accuracy, start.method)), *FORCES)
     compiled.warmup(called, lambda text: note(text, options.quiet))
     report = passage_report(start)

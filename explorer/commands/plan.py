@@ -10,7 +10,7 @@ from tqdm import tqdm
 from explorer.commands import Answer
 from explorer.commands.run import add_arguments as add_arguments
 from explorer.commands.run import given_by
-from explorer.runs.estimate import Estimate, estimate
+from explorer.runs.estimate import RunCost, estimate
 from explorer.runs.settings import Settings, asked
 from explorer.scenes.scene import Scene
 
@@ -30,7 +30,7 @@ class RunPlan:
     model, method, reason : str
         What is computed (as in `Passages.model`, or 'algebra' if constants of motion are enough), by which method,
         and why.
-    estimate : Estimate
+    estimate : RunCost
         Time (s), memory and storage (bytes) that the run needs without pictures, measured on a few chunks.
 
     Examples
@@ -47,7 +47,7 @@ class RunPlan:
     model: str
     method: str
     reason: str
-    estimate: Estimate
+    estimate: RunCost
 
     def __str__(self) -> str:
         far = self.estimate

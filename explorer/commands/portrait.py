@@ -25,7 +25,7 @@ GROUPS = (
 _PHASE = "with --only phase, in the units of the disk:"
 
 
-class Drawn(Options):
+class PortraitOptions(Options):
     """What is drawn, and where it goes."""
 
     disk: Disk | None = option(
@@ -50,7 +50,7 @@ class Drawn(Options):
     out: Path = option(FOLDER, "folder", default=Path("results/portrait"))
 
 
-add_arguments = Drawn.add_to
+add_arguments = PortraitOptions.add_to
 
 
 def call(options: argparse.Namespace) -> Answer:
@@ -63,8 +63,8 @@ def call(options: argparse.Namespace) -> Answer:
     from explorer.view import record
     from explorer.view.browser import find
 
-    said = Drawn.said(options)
-    asked = Drawn.of(said)
+    said = PortraitOptions.said(options)
+    asked = PortraitOptions.of(said)
     folder, files, disk = asked.out, list[Path](), asked.disk or Disk.uniform()
     of_phase = {name: getattr(asked, name) for name in ("sigma3_bar", "sigma4_bar", "eta_hat", "energy")}
     for name in of_phase:

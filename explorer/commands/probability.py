@@ -32,7 +32,7 @@ class Coordinates(Options):
     degrees: bool = option(TRUTH, "angles and rates are in degrees", default=False)
 
 
-class Question(Coordinates):
+class ProbabilityOptions(Coordinates):
     """The event, and how it is computed."""
 
     disk: Disk = option(DISK, f"disk: {SYNTAX}", default=Disk.uniform())
@@ -57,12 +57,12 @@ class Question(Coordinates):
     seed: int = option(whole_from(0), "seed of the random numbers", default=0)
 
 
-add_arguments = Question.add_to
+add_arguments = ProbabilityOptions.add_to
 
 
 def call(options: argparse.Namespace) -> Answer:
     """Say how probable it is."""
-    asked = Question.of(Question.said(options))
+    asked = ProbabilityOptions.of(ProbabilityOptions.said(options))
     compiled.warmup(KERNELS, lambda text: note(text, options.quiet))
     given = vars(asked).copy()
     found = probability(given.pop("disk"), given.pop("event"), rng=given.pop("seed"), **given)

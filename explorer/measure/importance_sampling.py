@@ -200,7 +200,7 @@ class NearFallingSet:
 
 
 @dataclass(frozen=True)
-class Drawn:
+class Draws:
     """Draws at given tilts. weight: the density of the distribution over theirs; within: those in the tube."""
 
     place: TiltAndRate
@@ -271,7 +271,7 @@ class Tube:
         shares: Array = (1.0 - _OWN) * hits / hits.sum() + _OWN * self.own / self.own.sum()
         return shares
 
-    def draw_near_f(self, random: Stream, count: int) -> Drawn:
+    def draw_near_f(self, random: Stream, count: int) -> Draws:
         """Draws of all coordinates; where most states lie in the tube, most pairs are drawn as distributed."""
         cell = np.searchsorted(np.cumsum(self.shares)[:-1], random.random(count), "right")
         tilt = self._in_cells(cell, random)
@@ -284,7 +284,7 @@ class Tube:
         inside: Array = self.edges[cell] + np.diff(self.edges)[cell] * random.random(cell.size)
         return inside
 
-    def draw(self, tilt: Array, plain: Array | float, random: Stream) -> Drawn:
+    def draw(self, tilt: Array, plain: Array | float, random: Stream) -> Draws:
         """A speed and a pair for each of these tilts.
 
         The speed comes from its own distribution, and in the share `plain` of the draws so does the pair. In the
@@ -320,7 +320,7 @@ class Tube:
             weight = np.where(left >= 0.0, weight, 0.0)
             place = place._replace(phidot=np.sqrt(2.0 / disk.body.M * np.maximum(left, 0.0)))
         counted = counts_on(self.face, eta, other_eta_hat(disk, bar, eta)) & np.isfinite(bar) & (settled | plainly)
-        return Drawn(place, bar, eta, np.where(counted, weight, 0.0), within | ~settled)
+        return Draws(place, bar, eta, np.where(counted, weight, 0.0), within | ~settled)
 
     @property
     def _fixed(self) -> int | None:

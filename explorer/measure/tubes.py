@@ -16,15 +16,15 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at, eta_to_eta_hat
-from explorer.phase.linear_constants import line_chart
+from explorer.phase.linear_constants import line_chart, nearer_plus
 from explorer.phase.states import Array
 
 # Half the width of a tube is sought by iteration. Each round overshoots by this much, so that it ends above the
 # bound that it would otherwise creep up to; a tube that is 2 % too wide wastes 2 % of its draws.
 _MARGIN, _ROUNDS = 1.02, 12
 # Ratio of two |eta_hat| that are equal up to rounding. The tubes of both faces meet a state beside both lines, and
-# each has drawn one of its two eta_hat and rounded the other. Where they are equal, as with phi = sigma3 = 0,
-# `phase.linear_constants.nearer_plus` would by chance count such a state twice or not at all.
+# each has drawn one of its two eta_hat and rounded the other. Where they are equal, as with phi = sigma3 = 0, such
+# a state would by chance count twice or not at all.
 _TIE = 1.0 - 1e-12
 
 
@@ -48,8 +48,7 @@ def counts_on(face: int, eta: Array, other: Array) -> NDArray[np.bool_]:
 
     Each counts once, on the nearer face; equally near, up to rounding, on face +1.
     """
-    nearer: NDArray[np.bool_] = abs(eta) * _TIE <= abs(other) if face > 0 else abs(eta) < abs(other) * _TIE
-    return nearer
+    return nearer_plus(_TIE * eta, other) if face > 0 else ~nearer_plus(_TIE * other, eta)
 
 
 def half_width(disk: Disk, delta: float, energy: Callable[[Array], Array], count: int) -> Array:

@@ -20,7 +20,7 @@ from explorer.motion.error_estimates import (
     less_where_amplified,
     rounding_of_path,
 )
-from explorer.motion.integration import Followed, InitialValues, follow, follow_accurately
+from explorer.motion.integration import InitialValues, Integrated, follow, follow_accurately
 from explorer.motion.plan import PATH, Plan
 from explorer.motion.starts import status_at_start
 from explorer.motion.threads import blocks, in_parts
@@ -79,7 +79,7 @@ def _sample(given: InitialValues, times: Array) -> tuple[Array, Outcome, Initial
         amplified, seen = amplified_at(disk, how, given.initial, start, last)
         given, asked = given.finer(less_where_amplified(how, amplified)), accepted(how, last)
 
-        def estimate(found: Followed, rows: Any) -> Array:
+        def estimate(found: Integrated, rows: Any) -> Array:
             return error_of(disk, how, found.moved, found.out[:, -1].T, seen[rows], last)
 
         found, error, given = follow_accurately(given, compiled.events.TIME, later, estimate, asked)

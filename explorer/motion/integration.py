@@ -52,7 +52,7 @@ class InitialValues(NamedTuple):
         return self._replace(control=self.plan.at_least(self.control * less**power))
 
 
-class Followed(NamedTuple):
+class Integrated(NamedTuple):
     """What became of motions: out (n, values, 10), NaN where one did not get there; status (n); attempted steps
     (n); moved (3, n), rows as `engine.Moved`."""
 
@@ -67,14 +67,14 @@ def follow(
     event: compiled.events.Event,
     values: Array,
     history: compiled.curves.History | None = None,
-) -> Followed:
+) -> Integrated:
     """Follow motions until the event has taken all of the values, in their order."""
     n, disk, how = given.status.size, given.disk, given.plan
     held = np.stack(given.motion[:3])
     if not disk.body.I3 > 0.0:  # there are no such constants, and motions run free
         held.fill(np.nan)
     moved, steps = np.full((3, n), np.nan), np.zeros(n, np.int32)
-    found = Followed(np.empty((n, values.size, 10)), given.status.copy(), steps, moved)
+    found = Integrated(np.empty((n, values.size, 10)), given.status.copy(), steps, moved)
     work = compiled.engine.Work(
         *(how.kernel_method, given.max_steps, event, values, given.control, given.initial, held),
         *(found.status, found.out, steps, moved),
@@ -87,12 +87,12 @@ def follow(
     return found
 
 
-Estimate = Callable[[Followed, Any], Array]
+Estimate = Callable[[Integrated, Any], Array]
 
 
 def follow_accurately(
     given: InitialValues, event: compiled.events.Event, values: Array, estimate: Estimate, asked: float
-) -> tuple[Followed, Array, InitialValues]:
+) -> tuple[Integrated, Array, InitialValues]:
     """Follow motions, and those that may err by more than is asked once more by finer steps, until none does.
 
     estimate(found, rows): of the errors of those rows, from what holding moved; infinite where that does not tell

@@ -71,7 +71,7 @@ def turning_points(
         amplified = amplification(speed_at_vertical(states.disk, states.motion))
         given = given.finer(less_where_amplified(how, amplified))
 
-    def estimate(found: integration.Followed, rows: Any) -> Array:
+    def estimate(found: integration.Integrated, rows: Any) -> Array:
         ended = found.out[:, 0].T
         error = error_of(states.disk, how, found.moved, ended, amplified[rows], PASSAGE)
         hidden = ended[compiled.field.ROW.t] > LINGERS

@@ -20,7 +20,7 @@ from explorer.phase.states import Array, phi_to_states
 _ACCURACY = 1e-10
 
 
-class Row(NamedTuple):
+class FigureNumbers(NamedTuple):
     """Numbers of one figure's motion, units m = r = g = 1; chi, psi: rad per period; travel: |a(tau) - a(0)|."""
 
     energy: float
@@ -43,7 +43,7 @@ BODIES = {disk.name: disk for disk in (UNIFORM, HOOP)}
 _WORDS = ("E", "A", "τ", "χ(τ) − χ(0)", "ψ(τ) − ψ(0)", "θ_min", "|a(τ) − a(0)|")
 
 
-def by_quadrature(disk: Disk, eta_hat: float) -> Row:
+def by_quadrature(disk: Disk, eta_hat: float) -> FigureNumbers:
     """Eq. (3.13) and its like for the angles; the travel, which has no quadrature here, by the plain equations."""
     state = start(disk, eta_hat)
     whole = periods(state, accuracy=_ACCURACY)
@@ -51,7 +51,7 @@ def by_quadrature(disk: Disk, eta_hat: float) -> Row:
     tau = float(whole.period)
     sigma4 = float(state.rows.sigma4[0])
     plain = integrate(disk, (0.0, PHIDOT, SIGMA3, sigma4), np.array([0.0, tau]))
-    return Row(
+    return FigureNumbers(
         energy=float(whole.energy),
         impact_speed=float(falling.impact_speed),
         tau=tau,
@@ -62,7 +62,7 @@ def by_quadrature(disk: Disk, eta_hat: float) -> Row:
     )
 
 
-def by_integration(disk: Disk, eta_hat: float) -> Row:
+def by_integration(disk: Disk, eta_hat: float) -> FigureNumbers:
     """The same from the motion, followed until it is upright again with phidot > 0."""
 
     def at(times: Any) -> Any:
@@ -79,7 +79,7 @@ def by_integration(disk: Disk, eta_hat: float) -> Row:
         tilt: Array = 0.5 * np.pi - at(near_flat).phi
         flat, step = near_flat[np.argmin(tilt)], near_flat[1] - near_flat[0]
     energy = float(sigma_energy(disk, sigma_at(end.phi, end.phidot, end.sigma3, end.sigma4))[0])
-    return Row(
+    return FigureNumbers(
         energy=energy,
         impact_speed=impact_speed(disk, energy, SIGMA3),
         tau=float(guess[0]),

@@ -75,7 +75,7 @@ _ROUNDING = 1e-7  # what is smaller may be rounding, which differs between machi
 
 
 @dataclass(frozen=True)
-class Row:
+class Checked:
     """A statement with its findings; `trouble` says why it could not be computed."""
 
     statement: Statement
@@ -108,15 +108,15 @@ def verdict(passed: bool) -> str:
     return "holds" if passed else "FAILS"
 
 
-def check_row(row: Statement) -> Row:
+def check_row(row: Statement) -> Checked:
     """Compute one statement. Whatever goes wrong in it is a failure of that row alone."""
     try:
-        return Row(row, tuple(row.check()))
+        return Checked(row, tuple(row.check()))
     except Exception as error:
-        return Row(row, (), f"{type(error).__name__}: {error}")
+        return Checked(row, (), f"{type(error).__name__}: {error}")
 
 
-def check_all(only: str | None = None, jobs: int = 2, quiet: bool = True) -> list[Row]:
+def check_all(only: str | None = None, jobs: int = 2, quiet: bool = True) -> list[Checked]:
     """Check all statements, or one, and say how far it is. Raises InputError where `only` names none of them."""
     from joblib import Parallel, delayed
 
@@ -132,7 +132,7 @@ def check_all(only: str | None = None, jobs: int = 2, quiet: bool = True) -> lis
     return done
 
 
-def paper(out: Path | str, *, only: str | None = None, jobs: int = 2, quiet: bool = True) -> list[Row]:
+def paper(out: Path | str, *, only: str | None = None, jobs: int = 2, quiet: bool = True) -> list[Checked]:
     """Check the statements; all of them, then write statements.md, misprints.md and the figures.
 
     Raises InputError for an unknown statement or a folder that cannot be written.
@@ -189,7 +189,7 @@ def figures_page() -> str:
     return "\n".join(lines) + "\n"
 
 
-def statements_page(rows: Sequence[Row]) -> str:
+def statements_page(rows: Sequence[Checked]) -> str:
     """The statements with what was computed, measured and expected, as Markdown."""
     failed = [row.statement.name for row in rows if not row.passed]
     lines = [
@@ -213,7 +213,7 @@ def statements_page(rows: Sequence[Row]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def misprints_page(rows: Iterable[Row]) -> str:
+def misprints_page(rows: Iterable[Checked]) -> str:
     """The misprints, as Markdown: for each the first comparison that decides it, with few digits."""
     decided: dict[str, tuple[str, ...]] = {}
     for row in rows:
@@ -264,7 +264,7 @@ def line_of(finding: Finding) -> str:
     return f"  {finding.computed}: {values} ({off})"
 
 
-def headline(rows: Sequence[Row]) -> Iterator[str]:
+def headline(rows: Sequence[Checked]) -> Iterator[str]:
     """Lines for the user: what fails, and how many hold."""
     for row in rows:
         if not row.passed:

@@ -50,7 +50,7 @@ _LOG = "the next term is of order η ln(1/η)"
 
 
 @dataclass(frozen=True)
-class Passage:
+class Track:
     """One passage by SciPy from the vertical with speed and sigma3_bar of 1.
 
     eta, energy, V0 (eq. 6.9), A (7.1); middle: the time of the smallest tilt theta_min; at: tilt, rate, sigma3,
@@ -67,8 +67,8 @@ class Passage:
 
 
 @lru_cache
-def passage(disk: Disk, eta_hat: float, face: int = 1) -> Passage:
-    """See Passage; eta_hat is that of `face`."""
+def passage(disk: Disk, eta_hat: float, face: int = 1) -> Track:
+    """See Track; eta_hat is that of `face`."""
 
     def turning(_t: float, y: Array) -> float:
         return float(y[1])
@@ -79,10 +79,10 @@ def passage(disk: Disk, eta_hat: float, face: int = 1) -> Passage:
     energy = float(sigma_energy(disk, sigma_at(*start)))
     middle, tilt = float(motion.t_events[0][0]), float(motion.y_events[0][0][0])
     V0, A = flat_potential(disk), impact_speed(disk, energy)
-    return Passage(eta_per_eta_hat(disk) * eta_hat, energy, V0, A, middle, tilt, motion.sol)
+    return Track(eta_per_eta_hat(disk) * eta_hat, energy, V0, A, middle, tilt, motion.sol)
 
 
-def level(run: Passage, share: float) -> tuple[float, float]:
+def level(run: Track, share: float) -> tuple[float, float]:
     """The times beside the middle at which V - V0 is a share of E - V0: phidot = ±A sqrt(1 - share)."""
     speed = run.A * np.sqrt(1.0 - share)
     width = run.theta_min / run.A * np.sqrt((1.0 - share) / share)
@@ -94,7 +94,7 @@ def level(run: Passage, share: float) -> tuple[float, float]:
     return run.middle + first, run.middle + last
 
 
-def growth(run: Passage, share: float) -> float:
+def growth(run: Track, share: float) -> float:
     """The increase of chi between the times of `level`."""
     return float(np.diff(run.at(np.array(level(run, share)))[4])[0])
 
@@ -126,7 +126,7 @@ def bounce() -> Iterator[Finding]:
         yield from _forces_near_flat(disk, run)
 
 
-def _forces_near_flat(disk: Disk, run: Passage) -> Iterator[Finding]:
+def _forces_near_flat(disk: Disk, run: Track) -> Iterator[Finding]:
     """What the proof of Lemma 5 says of V' and V at eta_hat = 1e-5; two misprints."""
     M, step = disk.I1 + 1.0, 1e-3 * run.theta_min / run.A
     speeding = np.diff(run.at(run.middle + np.array([-step, step]))[1])[0] / (2.0 * step)

@@ -90,8 +90,7 @@ def other_eta_hat(disk: Disk, sigma3_bar: Any, eta_hat: Any) -> Any:
 def nearer_plus(plus: Array, minus: Array) -> NDArray[np.bool_]:
     """True where the face of the smaller |eta| is +1: the rule for "the nearer face" of a state.
 
-    plus, minus: eta or eta_hat on face +1 and on face -1. Ties and NaN count as +1. Compiled passes have the same
-    rule (`kernels`). Tubes, which meet one state from either face, call equal what is so up to rounding
-    (`explorer.measure.tubes`).
+    plus, minus: eta or eta_hat on face +1 and on face -1. Ties and NaN count as +1.
     """
-    return ~(abs(minus) < abs(plus))
+    found: NDArray[np.bool_] = ~compiled.constants.nearer_minus(plus, minus)
+    return found

@@ -38,7 +38,7 @@ _PARTS = 2  # of a step of the record, for 0.1 rad of chi between two points of 
 _SMALLEST = 1e-10  # of |eta_hat|, natural units: smaller tilts are lost in the rounding of phi, which is near pi/2
 
 
-class Passage(NamedTuple):
+class Curve(NamedTuple):
     """One passage from the vertical to nearly flat and back, on face +1, in natural units; arrays (nt).
 
     theta, chi: rad. p, rho: dtheta/dt and sigma3/sin(theta), which is bounded where dchi/dt is not.
@@ -66,7 +66,7 @@ class Passage(NamedTuple):
         return np.asarray((self.chi - 0.5 * (self.chi[0] + self.chi[-1])) / self.kappa)
 
 
-def followed(disk: Disk, eta_hat: Sequence[float]) -> Iterator[Passage]:
+def followed(disk: Disk, eta_hat: Sequence[float]) -> Iterator[Curve]:
     """Passages at distances eta_hat (natural units, with their signs) from the same start at the vertical.
 
     Raises InputError where one is too near to F to be followed in phi.
@@ -82,7 +82,7 @@ def followed(disk: Disk, eta_hat: Sequence[float]) -> Iterator[Passage]:
         phi, phidot, sigma3, chi = (getattr(at, name) for name in names)
         theta = 0.5 * np.pi - phi
         least, speed = float(whole.theta_min[row]), float(whole.impact_speed[row]) / unit
-        yield Passage(size, disk.kappa, theta, chi, -phidot / unit, sigma3 / np.sin(theta) / unit, least, speed)
+        yield Curve(size, disk.kappa, theta, chi, -phidot / unit, sigma3 / np.sin(theta) / unit, least, speed)
 
 
 def _on_both_sides(sizes: Sequence[float]) -> list[float]:

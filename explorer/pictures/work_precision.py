@@ -6,29 +6,24 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullFormatter
 
-from explorer.motion.work_precision import ROUNDING, Measured, Row, best_of
+from explorer.motion.work_precision import ROUNDING, Measurement, Trade, best_of
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import METHODS, SMALL, dress
 
 _LIMITS = (3e-17, 1e-1)  # of the error; the names of the methods stand in the first decades
 _APART = 1.35  # ratio of the heights of two names
-_TITLES = {
-    "passages": "Passages: time against error",
-    "motions": "Motions in time: time against error",
-}
 
 
 @picture(
     Question.HOW_GOOD,
-    "What accuracy costs, for each method at several accuracies: the time of a sample on one core against the "
-    "99th "
-    "percentile of its error. Lower and further left is better. The band joins the integrators that no other "
+    "What accuracy costs, for each method at several accuracies: the time of a passage on one core against the "
+    "99th percentile of its error. Lower and further left is better. The band joins the integrators that no other "
     "beats; the stars are quadrature.",
 )
-def work_precision(ax: Axes, measured: Measured) -> None:
-    """Draw time per sample against the 99th percentile of the error, a line per method, and a band along the best.
+def work_precision(ax: Axes, measured: Trade) -> None:
+    """Draw the time of a passage against the 99th percentile of the error: a line per method, the best in a band.
 
-    measured: one of the `parts` of what `explorer.trade` returns. Settings that are no better than a coarser
+    measured: what `explorer.trade` returns. Settings that are no better than a coarser
     one of the same method are left out.
     """
     front = sorted(_place(row) for row in measured.rows if row.on_front)
@@ -57,10 +52,10 @@ def work_precision(ax: Axes, measured: Measured) -> None:
     look = {"fontsize": SMALL, "title_fontsize": SMALL, "frameon": False}
     ax.legend(handles=key, title="better ↙", loc="upper right", **look)
     x = "error, 99th percentile (rad; times and tilts relative)"
-    dress(ax, x, f"time per {measured.unit}, one core (ns)", _TITLES[measured.kind], grid=True)
+    dress(ax, x, "time per passage, one core (ns)", "Passages: time against error", grid=True)
 
 
-def _place(row: Row) -> tuple[float, float]:
+def _place(row: Measurement) -> tuple[float, float]:
     return max(row.p99, ROUNDING), row.nanoseconds
 
 

@@ -21,7 +21,7 @@ _COPIES = 5  # of the rows of a chunk, while it is made: block by block, joined,
 
 
 @dataclass(frozen=True)
-class Estimate:
+class RunCost:
     """What a run is expected to cost on this machine.
 
     seconds: without pictures, where the cores are free and the kernels are compiled; with those that the command
@@ -38,7 +38,7 @@ class Estimate:
     probed: int
 
 
-def estimate(scene: Scene, settings: Settings) -> Estimate:
+def estimate(scene: Scene, settings: Settings) -> RunCost:
     """Compute a few chunks and scale what they take; writes nothing."""
     from explorer.runs.store import make_chunk  # loads Arrow
 
@@ -55,7 +55,7 @@ def estimate(scene: Scene, settings: Settings) -> Estimate:
     disk, held = (stored, 0.0) if settings.out else (0.0, stored)
     at_work = scene.bytes_per_sample * min(scene.length(0), PER_STREAM) + _COPIES * max(sizes)
     memory = max(_BASE_MEMORY, _peak_memory()) + jobs * at_work + held
-    return Estimate(count, samples_of(scene), starting + seconds, memory, disk, free, len(probed))
+    return RunCost(count, samples_of(scene), starting + seconds, memory, disk, free, len(probed))
 
 
 def require_room(scene: Scene, settings: Settings, missing: int) -> None:

@@ -24,7 +24,6 @@ from kernels.arcs.potential import (
     LANES,
     Chart,
     Motion,
-    end_of,
     make_ends,
     point_at,
     put_end,
@@ -34,7 +33,7 @@ from kernels.arcs.rules import ArcRow
 from kernels.arcs.turning_points import Starts
 from kernels.disk.body import Body
 from kernels.disk.elementary import EPSILON
-from kernels.disk.rows import put
+from kernels.records import put
 from kernels.types import Matrix, Vector
 
 POINTS = 16
@@ -43,10 +42,8 @@ _FELT = 16.0 * EPSILON  # of the length: turning points that are off by less sta
 _FAR = END_ROWS  # rows of the end at the vertical, of the other face
 # INNER, OUTER: how much farther from each other the turning points are than they were found; SLACK: what rounding
 # leaves unknown of distances from them, as a share.
-_X, _Y, _Y_FAR, _L, _UPRIGHT, _INNER, _OUTER, _SLACK = range(
-    2 * END_ROWS * LANES, (2 * END_ROWS + 8) * LANES, LANES
-)
-_AT_POINTS = (2 * END_ROWS + 8) * LANES  # q, ratio, z ratio - q sigma4 and V'', POINTS each; then room for sums
+_X, _Y, _Y_FAR, _L, _UPRIGHT, _INNER, _OUTER, _SLACK = range(2 * END_ROWS, 2 * END_ROWS + 8 * LANES, LANES)
+_AT_POINTS = 2 * END_ROWS + 8 * LANES  # q, ratio, z ratio - q sigma4 and V'', POINTS each; then room for sums
 _BEND, _SUMS = 3, 4
 _ROWS = _AT_POINTS + 5 * POINTS * LANES
 
@@ -111,9 +108,9 @@ def look(A: Vector, j: int, share: float, b: Body) -> None:
     """What integrands and V'' need of point j, in all lanes."""
     for i in range(LANES):
         s, upright = (A[_L + i] + A[_OUTER + i]) * share - A[_INNER + i] * (1.0 - share), A[_UPRIGHT + i]
-        P = point_at(A, min(s, upright), False, end_of(A, 0, i), Motion(A[_X + i], A[_Y + i]), b)
+        P = point_at(A, 0, i, min(s, upright), False, Motion(A[_X + i], A[_Y + i]), b)
         beyond = max(s - upright, 0.0)
-        F = point_at(A, beyond, True, end_of(A, _FAR, i), Motion(A[_X + i], A[_Y_FAR + i]), b)
+        F = point_at(A, _FAR, i, beyond, True, Motion(A[_X + i], A[_Y_FAR + i]), b)
         here = s <= upright
         q, z, ratio = P.q if here else F.q, P.z if here else -F.z, P.ratio if here else F.ratio
         sigma4 = P.sigma4 if here else -F.sigma4

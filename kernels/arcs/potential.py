@@ -25,31 +25,13 @@ from kernels.disk import chaplygin
 from kernels.disk.body import Body, Disk
 from kernels.disk.elementary import exponential, log_ratio, logarithm
 from kernels.disk.polynomials import economise
+from kernels.records import reader
 from kernels.types import Matrix, Vector
 
 LANES = 16
 DEGREE = chaplygin.DEGREE
 DIVIDED = 4 * DEGREE  # coefficients of the divided differences of four polynomials
 _LN2 = math.log(2.0)
-# Rows of a work array that hold the ends of a group: R to SIGMA4 are given, the others follow from them.
-(
-    R,
-    W,
-    SIGMA3,
-    SIGMA4,
-    S,
-    LOG_S,
-    INV,
-    Q,
-    INV_Q,
-    RHO_OVER_S,
-    INV_G,
-    DRHO,
-    D,
-    RATIO,
-    _COEFFICIENTS,
-) = range(15)
-END_ROWS = _COEFFICIENTS + DIVIDED
 
 
 class Chart(NamedTuple):
@@ -73,8 +55,7 @@ class Motion(NamedTuple):
 class End(NamedTuple):
     """A point of a motion from which differences are taken: the state, and the solutions there.
 
-    r: tan(theta/2); w: 1 - r^2, with all its digits beside the vertical; inv: 1/(1 + r^2). first: where in the
-    work array the coefficients of the divided differences begin.
+    r: tan(theta/2); w: 1 - r^2, with all its digits beside the vertical; inv: 1/(1 + r^2).
     """
 
     r: float
@@ -91,7 +72,13 @@ class End(NamedTuple):
     drho: float
     D: float
     ratio: float
-    first: int
+
+
+# Rows of a work array that hold the ends of a group: records, then the coefficients of the divided differences.
+R, W, SIGMA3, SIGMA4, S, LOG_S, INV, Q, INV_Q, RHO_OVER_S, INV_G, DRHO, D, RATIO = range(0, 14 * LANES, LANES)
+_COEFFICIENTS = 14 * LANES
+END_ROWS = _COEFFICIENTS + DIVIDED * LANES
+end_of = reader(End, LANES)
 
 
 class Point(NamedTuple):
@@ -128,69 +115,44 @@ def _of_slope(row: Vector) -> Vector:
 @device
 def put_end(A: Vector, at: int, i: int, r: float, w: float, sigma3: float, sigma4: float) -> None:
     """What is given of the end of lane i into rows `at` and following, for `make_ends`."""
-    e = at * LANES + i
-    A[e + R * LANES], A[e + W * LANES] = r, w
-    A[e + SIGMA3 * LANES], A[e + SIGMA4 * LANES] = sigma3, sigma4
+    A[at + R + i], A[at + W + i], A[at + SIGMA3 + i], A[at + SIGMA4 + i] = r, w, sigma3, sigma4
 
 
 @subroutine
 def make_ends(A: Vector, at: int, chart: Chart) -> None:
     """The ends in rows `at` and following of a work array, from their r, w, sigma3 and sigma4."""
-    E, series = A[at * LANES :], chart.series
+    E, series = A[at:], chart.series
     for i in range(LANES):
-        r, w = E[R * LANES + i], E[W * LANES + i]
+        r, w = E[R + i], E[W + i]
         larger = 1.0 + r * r
         inv = 1.0 / larger
-        E[S * LANES + i], E[INV * LANES + i] = 2.0 * r * (r * inv), inv
-        E[Q * LANES + i], E[INV_Q * LANES + i] = 2.0 * r * inv, 0.5 * larger / r
-        E[RATIO * LANES + i] = E[SIGMA3 * LANES + i] * E[INV_Q * LANES + i]
+        E[S + i], E[INV + i] = 2.0 * r * (r * inv), inv
+        E[Q + i], E[INV_Q + i] = 2.0 * r * inv, 0.5 * larger / r
+        E[RATIO + i] = E[SIGMA3 + i] * E[INV_Q + i]
         # ln S = ln(1 - z) without cancellation: far from the vertical by itself, beside it from z.
         z = w * inv
         far = _LN2 + 2.0 * logarithm(r) - logarithm(larger)
         beside = log_ratio(-z / (2.0 - z))
-        E[LOG_S * LANES + i] = beside if z < 0.5 else far
-    C = E[_COEFFICIENTS * LANES :]
+        E[LOG_S + i] = beside if z < 0.5 else far
+    C = E[_COEFFICIENTS:]
     b, c, d = DEGREE * LANES, 2 * DEGREE * LANES, 3 * DEGREE * LANES
     for row in range(4):
         C[(row * DEGREE + DEGREE - 1) * LANES : (row + 1) * DEGREE * LANES] = series[row, DEGREE]
     for j in range(DEGREE - 1, 0, -1):
         k, s0, s1, s2, s3 = j * LANES, series[0, j], series[1, j], series[2, j], series[3, j]
         for i in range(k, k + LANES):
-            t = 2.0 * E[S * LANES + i - k] - 1.0
+            t = 2.0 * E[S + i - k] - 1.0
             C[i - LANES] = C[i] * t + s0
             C[i + b - LANES] = C[i + b] * t + s1
             C[i + c - LANES] = C[i + c] * t + s2
             C[i + d - LANES] = C[i + d] * t + s3
     for i in range(LANES):
-        t = 2.0 * E[S * LANES + i] - 1.0
+        t = 2.0 * E[S + i] - 1.0
         g = C[i] * t + series[0, 0]
         drho = 1.0 + (C[DEGREE * LANES + i] * t + series[1, 0])
         v = C[2 * DEGREE * LANES + i] * t + series[2, 0]
-        E[RHO_OVER_S * LANES + i], E[INV_G * LANES + i], E[DRHO * LANES + i] = g, 1.0 / g, drho
-        E[D * LANES + i] = 0.5 * chart.body.c * E[S * LANES + i] * g * E[LOG_S * LANES + i] + v
-
-
-@device
-def end_of(A: Vector, at: int, i: int) -> End:
-    """The end of lane i in rows `at` and following."""
-    e = at * LANES + i
-    return End(
-        A[e + R * LANES],
-        A[e + W * LANES],
-        A[e + SIGMA3 * LANES],
-        A[e + SIGMA4 * LANES],
-        A[e + S * LANES],
-        A[e + LOG_S * LANES],
-        A[e + INV * LANES],
-        A[e + Q * LANES],
-        A[e + INV_Q * LANES],
-        A[e + RHO_OVER_S * LANES],
-        A[e + INV_G * LANES],
-        A[e + DRHO * LANES],
-        A[e + D * LANES],
-        A[e + RATIO * LANES],
-        e + _COEFFICIENTS * LANES,
-    )
+        E[RHO_OVER_S + i], E[INV_G + i], E[DRHO + i] = g, 1.0 / g, drho
+        E[D + i] = 0.5 * chart.body.c * E[S + i] * g * E[LOG_S + i] + v
 
 
 @device
@@ -233,8 +195,12 @@ def quotients(A: Vector, first: int, t: float) -> tuple[float, float, float, flo
 
 
 @device
-def point_at(A: Vector, d: float, inward: bool, end: End, motion: Motion, b: Body) -> Point:
-    """The point at the distance d from an end, towards flat (inward) or away from it; `inward` is a constant."""
+def point_at(A: Vector, at: int, i: int, d: float, inward: bool, motion: Motion, b: Body) -> Point:
+    """The point at the distance d from the end of lane i in rows `at` and following.
+
+    inward: towards flat, or away from it; a constant.
+    """
+    end = end_of(A, at, i)
     times, grown = exponential(-d if inward else d)
     r = end.r * times
     larger = 1.0 + r * r
@@ -243,7 +209,7 @@ def point_at(A: Vector, d: float, inward: bool, end: End, motion: Motion, b: Bod
     S_here, dS = 2.0 * r * r * inv, 2.0 * de * inv * end.inv
     share = de * end.inv
     dlog = (-2.0 * d if inward else 2.0 * d) - log_ratio(share / (2.0 + share))
-    g, rho1, v, dv = quotients(A, end.first, 2.0 * S_here - 1.0)
+    g, rho1, v, dv = quotients(A, at + _COEFFICIENTS + i, 2.0 * S_here - 1.0)
     scale, half_c = 2.0 * dS, 0.5 * b.c
     dg, ddrho, dv0, ddv = g * scale, rho1 * scale, v * scale, dv * scale
     log_S, rho_end = end.log_S + dlog, end.S * end.rho_over_S

@@ -24,7 +24,6 @@ from kernels.arcs.potential import (
     LANES,
     Chart,
     Motion,
-    end_of,
     make_ends,
     point_at,
     put_end,
@@ -33,7 +32,7 @@ from kernels.arcs.potential import (
 from kernels.arcs.turning_points import next_zero
 from kernels.disk.body import Body
 from kernels.disk.elementary import EPSILON, exponential, logarithm
-from kernels.disk.rows import Entry, put
+from kernels.records import Entry, put
 from kernels.types import Longs, Matrix, Vector
 
 # Nodes of the rules, less one; half and a quarter of them are rules as well.
@@ -76,8 +75,8 @@ _OUTER = END_ROWS
     # sums by the rule, of their rounding, and by the rules of a half and a quarter of the nodes
     _TIME, _CHI, _PSI, _ROUNDED, _TIME_ROUNDED,
     _OLD_TIME, _OLD_CHI, _OLD_PSI, _OLDER_TIME, _OLDER_CHI, _OLDER_PSI,
-) = range(2 * END_ROWS * LANES, (2 * END_ROWS + 21) * LANES, LANES)  # fmt: skip
-_ROWS = (2 * END_ROWS + 21) * LANES
+) = range(2 * END_ROWS, 2 * END_ROWS + 21 * LANES, LANES)  # fmt: skip
+_ROWS = 2 * END_ROWS + 21 * LANES
 
 
 class Rule(NamedTuple):
@@ -263,8 +262,7 @@ def placed(A: Vector, i: int, share: float, rate: float, slow: bool) -> tuple[fl
 def add_node(A: Vector, i: int, node: Node, inside: bool, slow: bool, b: Body) -> None:
     """Add a node to the sums of lane i; inside, slow: constants."""
     d, rate = placed(A, i, node.share, node.rate, slow)
-    end = end_of(A, 0 if inside else _OUTER, i)
-    P = point_at(A, d, not inside, end, Motion(A[_X + i], A[_Y + i]), b)
+    P = point_at(A, 0 if inside else _OUTER, i, d, not inside, Motion(A[_X + i], A[_Y + i]), b)
     K = (A[_K_IN + i] if inside else A[_K_OUT + i]) - P.rise
     inv_K = 1.0 / K
     ds = rate * math.sqrt(0.5 * b.M * inv_K)

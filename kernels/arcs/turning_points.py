@@ -28,7 +28,7 @@ from kernels.arcs.potential import (
 )
 from kernels.disk.body import Body
 from kernels.disk.elementary import EPSILON, log_ratio, logarithm
-from kernels.disk.rows import Entry
+from kernels.records import Entry
 from kernels.types import Matrix, Vector
 
 # In x: where the next zero of K lies no farther beyond an end, or K is as little at a crest, the motion is slow.
@@ -48,29 +48,9 @@ _ROUNDING = 4.0 * EPSILON  # of K, for each unit of what it was summed from
 # How far a search is: by steps that cannot pass a root, by Halley's, by Newton's in the depth, done.
 _OPEN, _NEAR, _IN_DEPTH, _FOUND, _FOUND_DEEP = 0.0, 1.0, 2.0, 3.0, 4.0
 (
-    _X,
-    _Y,
-    _MOVING,
-    _D,
-    _K,
-    _SLOPE,
-    _BEND,
-    _R,
-    _Q,
-    _RATIO,
-    _SIGMA4,
-    _BEFORE,
-    _K_BEFORE,
-    _FALLING,
-    _CREST,
-    _STATE,
-    _CROSSES,
-    _ENERGY,
-    _UPRIGHT,
-    _LOW,
-    _HIGH,
-    _PLACE,
-) = range(END_ROWS * LANES, (END_ROWS + 22) * LANES, LANES)
+    _X, _Y, _MOVING, _D, _K, _SLOPE, _BEND, _R, _Q, _RATIO, _SIGMA4, _BEFORE, _K_BEFORE, _FALLING, _CREST, _STATE,
+    _CROSSES, _ENERGY, _UPRIGHT, _LOW, _HIGH, _PLACE,
+) = range(END_ROWS, END_ROWS + 22 * LANES, LANES)  # fmt: skip
 
 
 class Starts(NamedTuple):
@@ -149,7 +129,7 @@ def load(A: Vector, starts: Starts, first: int, chart: Chart) -> None:
 @device
 def point_of(A: Vector, i: int, d: float, inward: bool, b: Body) -> Point:
     """The point at a distance from the start of lane i."""
-    return point_at(A, d, inward, end_of(A, 0, i), Motion(A[_X + i], A[_Y + i]), b)
+    return point_at(A, 0, i, d, inward, Motion(A[_X + i], A[_Y + i]), b)
 
 
 @device
@@ -237,7 +217,7 @@ def enter_depth(A: Vector, i: int, b: Body) -> None:
     """A distance to begin with, from the law of first order."""
     wall = A[_K + i] + potential(A[_Q + i], A[_RATIO + i], 0.0, b)
     guess = 0.5 * abs(A[_Y + i]) * math.sqrt(0.5 * b.I1 / wall)
-    first = logarithm(A[R * LANES + i]) - logarithm(guess if guess > _LEAST else _LEAST)
+    first = logarithm(A[R + i]) - logarithm(guess if guess > _LEAST else _LEAST)
     A[_LOW + i], A[_HIGH + i] = A[_D + i], _DEEPEST
     first = first if first > A[_D + i] + 1e-3 else A[_D + i] + 1e-3
     A[_D + i] = (first if first < _DEEPEST else _DEEPEST) if A[_STATE + i] == _IN_DEPTH else A[_D + i]

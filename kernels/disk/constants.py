@@ -1,14 +1,14 @@
 """Constants of motion of a state, eqs (3.5), (6.2), (2.19): algebra, no integration."""
 
 import math
-from typing import Generic, NamedTuple
+from typing import Any, Generic, NamedTuple
 
 from kernels._jit import device
 from kernels.disk.body import Body
 from kernels.disk.chaplygin import Solutions
 from kernels.disk.elementary import EPSILON, SMALLEST, log_ratio, logarithm
 from kernels.disk.field import State
-from kernels.disk.rows import Entry
+from kernels.records import Entry
 
 
 class Constants(NamedTuple, Generic[Entry]):
@@ -33,10 +33,9 @@ _ROOT_HALF = math.sqrt(0.5)
 _SCALE, _LOG_SCALE = 2.0**54, 54.0 * _LN2  # it takes the smallest numbers to where their exponents have bits
 
 
-@device
-def nearer_plus(eta_plus: float, eta_minus: float) -> bool:
-    """True where the face of the smaller |eta| is +1; ties and NaN count as +1."""
-    return not abs(eta_minus) < abs(eta_plus)
+def nearer_minus(eta_plus: Any, eta_minus: Any) -> Any:
+    """True where the face of the smaller |eta| is -1; ties and NaN count as +1. Of numbers, or of arrays."""
+    return abs(eta_minus) < abs(eta_plus)
 
 
 @device

@@ -18,7 +18,7 @@ from kernels.disk.chaplygin import Solutions
 from kernels.disk.constants import depth_below_vertical
 from kernels.disk.elementary import EPSILON
 from kernels.disk.polynomials import horner
-from kernels.disk.rows import Entry, put
+from kernels.records import Entry, put
 from kernels.types import Matrix, Vector
 
 # Bisection to rounding on an interval of length pi/2.

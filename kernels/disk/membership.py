@@ -10,17 +10,19 @@ from kernels.disk.algebra import (
     CONSTANTS,
     LANES,
     ROWS,
+    SOLUTIONS,
     Q,
     Z,
     constants,
     load,
-    solutions_of,
+    read_constants,
+    read_solutions,
     solve,
     store,
 )
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import Solutions
-from kernels.disk.constants import nearer_plus
+from kernels.disk.constants import nearer_minus
 from kernels.disk.falling import (
     FALLS_BACK,
     PASSES,
@@ -37,14 +39,16 @@ from kernels.types import Codes, Matrix, Vector
 
 # Rows of the work array beyond those of `algebra`. NEAR and FAR: of the face on whose hemisphere the state is, and
 # the other; first U, then verdicts.
-_NEAR, _FAR, _CODE = range(ROWS, ROWS + 3)
-_SIGMA3_BAR, _ETA_PLUS, _ETA_MINUS, _ENERGY, _ROUNDING_PLUS, _ROUNDING_MINUS = range(CONSTANTS, CONSTANTS + 6)
+_NEAR, _FAR, _CODE = range(ROWS, ROWS + 3 * LANES, LANES)
+_SIGMA3_BAR, _ENERGY = CONSTANTS, CONSTANTS + 3 * LANES
 _BEYOND = 3  # a verdict that awaits the barrier's
 # Relative to their sum: an energy and a potential nearer than this are compared one state at a time.
 _TIE = 1e-12
 # Bits of a code. The nearer face is +1; there eta is 0 to rounding; there the disk could fall, were it 0; and
 # whether it could on either face.
 PLUS, ON_F, COULD, COULD_PLUS, COULD_MINUS = 1, 2, 4, 8, 16
+
+_nearer_minus = device(nearer_minus)
 
 
 @device
@@ -59,8 +63,8 @@ def part_of_spin(q: float, z: float, f: Solutions, b: Body) -> float:
 def at_tilts(W: Vector, b: Body) -> None:
     """U on either hemisphere."""
     for i in range(LANES):
-        q, z, f = W[Q * LANES + i], abs(W[Z * LANES + i]), solutions_of(W, i)
-        W[_NEAR * LANES + i], W[_FAR * LANES + i] = part_of_spin(q, z, f, b), part_of_spin(q, -z, f, b)
+        q, z, f = W[Q + i], abs(W[Z + i]), read_solutions(W, SOLUTIONS, i)
+        W[_NEAR + i], W[_FAR + i] = part_of_spin(q, z, f, b), part_of_spin(q, -z, f, b)
 
 
 @device
@@ -78,12 +82,12 @@ def judge(W: Vector, b: Body) -> bool:
     """Verdicts; whether any of them awaits the barrier's."""
     waiting = 0
     for i in range(LANES):
-        q, z, E = W[Q * LANES + i], W[Z * LANES + i], W[_ENERGY * LANES + i]
-        X = W[_SIGMA3_BAR * LANES + i] / b.r0
+        q, z, E = W[Q + i], W[Z + i], W[_ENERGY + i]
+        X = W[_SIGMA3_BAR + i] / b.r0
         V0 = potential_at_flat(X, b)
-        near, far = X * X * W[_NEAR * LANES + i] + q, X * X * W[_FAR * LANES + i] + q
+        near, far = X * X * W[_NEAR + i] + q, X * X * W[_FAR + i] + q
         other = verdict(E, V0, far, _BEYOND if z != 0.0 else PASSES)
-        W[_NEAR * LANES + i], W[_FAR * LANES + i] = verdict(E, V0, near, PASSES), other
+        W[_NEAR + i], W[_FAR + i] = verdict(E, V0, near, PASSES), other
         waiting += 1 if other == _BEYOND else 0
     return waiting > 0
 
@@ -92,9 +96,9 @@ def judge(W: Vector, b: Body) -> bool:
 def barriers(o: Obstacle, W: Vector, b: Body) -> None:
     """Verdicts on starts beyond the vertical that have the energy for flat."""
     for i in range(LANES):
-        X = W[_SIGMA3_BAR * LANES + i] / b.r0
-        passes, found = passes_barrier(-abs(W[Z * LANES + i]), W[_ENERGY * LANES + i], X, o), W[_FAR * LANES + i]
-        W[_FAR * LANES + i] = passes if found == _BEYOND else found
+        X = W[_SIGMA3_BAR + i] / b.r0
+        passes, found = passes_barrier(-abs(W[Z + i]), W[_ENERGY + i], X, o), W[_FAR + i]
+        W[_FAR + i] = passes if found == _BEYOND else found
 
 
 @subroutine
@@ -102,7 +106,7 @@ def undecided(W: Vector) -> bool:
     """Whether rounding could decide in any lane."""
     odd = 0
     for i in range(LANES):
-        odd += 1 if W[_NEAR * LANES + i] == UNDECIDED or W[_FAR * LANES + i] == UNDECIDED else 0
+        odd += 1 if W[_NEAR + i] == UNDECIDED or W[_FAR + i] == UNDECIDED else 0
     return odd > 0
 
 
@@ -110,31 +114,31 @@ def undecided(W: Vector) -> bool:
 def look(row: int, hemisphere: float, o: Obstacle, disk: Disk, W: Vector) -> None:
     """Decide what lanes leave undecided, one at a time; hemisphere: 1 as of the state, -1 the other."""
     for i in range(LANES):
-        if W[row * LANES + i] == UNDECIDED:
-            at = tilt(W[Q * LANES + i], hemisphere * abs(W[Z * LANES + i]), disk)
-            X = W[_SIGMA3_BAR * LANES + i] / disk.body.r0
-            falls = reaches_flat(at, W[_ENERGY * LANES + i], X, o, disk)
-            W[row * LANES + i] = PASSES if falls else FALLS_BACK
+        if W[row + i] == UNDECIDED:
+            at = tilt(W[Q + i], hemisphere * abs(W[Z + i]), disk)
+            X = W[_SIGMA3_BAR + i] / disk.body.r0
+            falls = reaches_flat(at, W[_ENERGY + i], X, o, disk)
+            W[row + i] = PASSES if falls else FALLS_BACK
 
 
 @subroutine
 def encode(W: Vector) -> None:
     """Codes from constants and verdicts."""
     for i in range(LANES):
-        north = W[Z * LANES + i] >= 0.0
-        near, far = W[_NEAR * LANES + i] == PASSES, W[_FAR * LANES + i] == PASSES
+        north = W[Z + i] >= 0.0
+        near, far = W[_NEAR + i] == PASSES, W[_FAR + i] == PASSES
         could_plus, could_minus = near if north else far, far if north else near
-        eta_plus, eta_minus = W[_ETA_PLUS * LANES + i], W[_ETA_MINUS * LANES + i]
-        on_plus = abs(eta_plus) <= W[_ROUNDING_PLUS * LANES + i]
-        on_minus = abs(eta_minus) <= W[_ROUNDING_MINUS * LANES + i]
+        found = read_constants(W, CONSTANTS, i)
+        on_plus = abs(found.eta_plus) <= found.rounding_plus
+        on_minus = abs(found.eta_minus) <= found.rounding_minus
         # On both lines it is the face on which the disk falls.
         both = on_plus and on_minus and could_plus != could_minus
-        plus = could_plus if both else nearer_plus(eta_plus, eta_minus)
+        plus = could_plus if both else not _nearer_minus(found.eta_plus, found.eta_minus)
         code = (COULD_PLUS if could_plus else 0) + (COULD_MINUS if could_minus else 0) + (PLUS if plus else 0)
         code += (ON_F if (on_plus if plus else on_minus) else 0) + (
             COULD if (could_plus if plus else could_minus) else 0
         )
-        W[_CODE * LANES + i] = code
+        W[_CODE + i] = code
 
 
 @kernel
@@ -145,7 +149,7 @@ def membership_batch(
 
     given: the constants are in `out` already, and are taken as they are.
     """
-    n, W = codes.size, np.ones((_CODE + 1) * LANES)
+    n, W = codes.size, np.ones(_CODE + LANES)
     for first in range(0, n, LANES):
         count = min(LANES, n - first)
         load(states, first, count, 0, W)
@@ -163,4 +167,4 @@ def membership_batch(
             look(_FAR, -1.0, obstacle, disk, W)
         encode(W)
         for i in range(count):
-            codes[first + i] = np.int8(W[_CODE * LANES + i])
+            codes[first + i] = np.int8(W[_CODE + i])

@@ -15,7 +15,6 @@ from kernels._jit import device, kernel, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.elementary import EPSILON, exponential, inverse_root
 from kernels.disk.falling import potential_above_flat, potential_at_flat
-from kernels.disk.rows import Entry
 from kernels.near_flat.closed_forms import (
     Closed,
     Integrals,
@@ -27,6 +26,7 @@ from kernels.near_flat.closed_forms import (
     slope_of,
 )
 from kernels.near_flat.tables import LAST, LAST_BUT_ONE, SHARE, WEIGHT, Fixed, Low, Rules, Tables, fixed
+from kernels.records import Entry, reader, writer
 from kernels.types import Matrix, Vector
 
 LANES = 64  # _ROWS rows of them lie within the first cache
@@ -40,17 +40,20 @@ _OF_START = 0.1  # what is missed of a slow start, in e^(-2 n sqrt(r)): no error
 _OF_COEFFICIENTS = 10.0  # what a rule misses, in squares of the share of its last coefficients
 _SETTLED = 1e-8  # Newton's last step: the next one, about its square, would be rounding
 _ROUNDING = 100.0 * EPSILON  # of angles and time
-# Rows of the work array: entry (row, i) stands at row * LANES + i.
-_ROWS = 33
+# Rows of the work array.
 (
     # the motion; ROUNDED: what rounding does to angles and time
-    _X, _Y, _MOVING, _LEVEL, _ROUNDED, _H, _LOG_H, _STEP, _TURN_RATE,
+    _X, _Y, _LEVEL, _MOVING, _ROUNDED, _H, _LOG_H, _STEP, _TURN_RATE,
     _CHI, _REST, _TIME, _ANGLE_ERROR, _TIME_ERROR,
-    # fields of Closed
-    _CAP, _LOG_CAP, _LOWEST, _TURN2, _RACE, _PULL, _SPIN, _SLOW, _REST0, _REST1,
-    # of each integral: sums of sizes, and the last coefficients at fixed tilts
-    _CHI_SIZE, _REST_SIZE, _TIME_SIZE, _CHI_LAST, _REST_LAST, _TIME_LAST, _CHI_BEFORE, _REST_BEFORE, _TIME_BEFORE,
-) = range(0, _ROWS * LANES, LANES)  # fmt: skip
+    _CLOSED,
+) = range(0, 15 * LANES, LANES)  # fmt: skip
+# Where records begin: PassageConstants; Integrals; after the ten rows of Closed, Integrals of sizes and of the
+# last coefficients at fixed tilts.
+_MOTION, _SUMS = _X, _CHI
+_SIZES, _LAST, _BEFORE, _ROWS = range(_CLOSED + 10 * LANES, _CLOSED + 20 * LANES, 3 * LANES)
+read_motion = reader(PassageConstants, LANES)
+read_closed, write_closed = reader(Closed, LANES), writer(Closed, LANES)
+read_integrals, write_integrals = reader(Integrals, LANES), writer(Integrals, LANES)
 
 
 class Crossings(NamedTuple):
@@ -101,12 +104,6 @@ class FallRow(NamedTuple, Generic[Entry]):
 
 
 @device
-def motion_of(W: Vector, i: int) -> PassageConstants:
-    """The motion in lane i."""
-    return PassageConstants(W[_X + i], W[_Y + i], W[_LEVEL + i])
-
-
-@device
 def leave(W: Vector, i: int, at: Fixed, given: float, b: Body) -> None:
     """What rounding in E - V does to a motion that leaves the vertical; its level, unless that is `given`.
 
@@ -143,7 +140,8 @@ def turn(W: Vector, b: Body, low: Low) -> None:
         W[_LOG_H + i] = math.log(W[_H + i])
     for _ in range(_ROUNDS):
         for i in range(LANES):
-            W[_H + i], W[_LOG_H + i], W[_STEP + i] = newton(W[_H + i], W[_LOG_H + i], motion_of(W, i), b, low)
+            motion = read_motion(W, _MOTION, i)
+            W[_H + i], W[_LOG_H + i], W[_STEP + i] = newton(W[_H + i], W[_LOG_H + i], motion, b, low)
     for i in range(LANES):
         near = (W[_H + i] < WIDEST) & (abs(W[_STEP + i]) < _SETTLED)
         W[_H + i], W[_LOG_H + i] = W[_H + i] if near else _PARKED, W[_LOG_H + i] if near else math.log(_PARKED)
@@ -154,47 +152,31 @@ def turn(W: Vector, b: Body, low: Low) -> None:
 def begin_near(W: Vector, b: Body, low: Low) -> None:
     """What is known in closed form below the handover; its factors into rows."""
     for i in range(LANES):
-        h, log_h, motion = W[_H + i], W[_LOG_H + i], motion_of(W, i)
+        h, log_h, motion = W[_H + i], W[_LOG_H + i], read_motion(W, _MOTION, i)
         at = near_flat(h, 1.0 / h, log_h, motion, b, low)
         slope = -slope_of(h, at, motion.X, b)
         good = slope > 0.0
         known, integrals = closed_forms(h, log_h, at, slope if good else 1.0, motion, b, low)
         W[_TURN_RATE + i] = at.n * at.inv_shape
         W[_ROUNDED + i] += _ROUNDING * W[_LEVEL + i] / slope
-        W[_CHI + i], W[_REST + i], W[_TIME + i] = integrals.chi, integrals.rest, integrals.time
-        W[_CAP + i], W[_LOG_CAP + i], W[_LOWEST + i] = known.cap, known.log_cap, known.lowest
-        W[_TURN2 + i] = known.turn2
-        W[_RACE + i], W[_PULL + i], W[_SPIN + i], W[_SLOW + i] = known.race, known.pull, known.spin, known.slow
-        W[_REST0 + i], W[_REST1 + i] = known.rest0, known.rest1
+        write_integrals(W, _SUMS, i, integrals)
+        write_closed(W, _CLOSED, i, known)
         W[_ANGLE_ERROR + i], W[_TIME_ERROR + i] = 0.0, W[_TIME_ERROR + i] if good else math.nan
 
 
 @device
-def known_of(W: Vector, i: int) -> Closed:
-    """The factors of the closed forms in lane i."""
-    return Closed(
-        W[_CAP + i],
-        W[_LOG_CAP + i],
-        W[_LOWEST + i],
-        W[_TURN2 + i],
-        W[_RACE + i],
-        W[_PULL + i],
-        W[_SPIN + i],
-        W[_SLOW + i],
-        W[_REST0 + i],
-        W[_REST1 + i],
-    )
+def add(W: Vector, row: int, i: int, weight: float, node: Integrals) -> None:
+    """Add what a node gives, so many times, to integrals of lane i."""
+    total = read_integrals(W, row, i)
+    chi, rest = total.chi + weight * node.chi, total.rest + weight * node.rest
+    write_integrals(W, row, i, Integrals(chi, rest, total.time + weight * node.time))
 
 
 @device
-def add(W: Vector, i: int, node: Integrals) -> None:
-    """Add what a node gives to the sums of lane i, and to those of sizes."""
-    W[_CHI + i] += node.chi
-    W[_REST + i] += node.rest
-    W[_TIME + i] += node.time
-    W[_CHI_SIZE + i] += abs(node.chi)
-    W[_REST_SIZE + i] += abs(node.rest)
-    W[_TIME_SIZE + i] += abs(node.time)
+def add_sizes(W: Vector, i: int, node: Integrals) -> None:
+    """Add what a node gives to the integrals of lane i, and to those of sizes."""
+    add(W, _SUMS, i, 1.0, node)
+    add(W, _SIZES, i, 1.0, Integrals(abs(node.chi), abs(node.rest), abs(node.time)))
 
 
 @subroutine
@@ -204,14 +186,15 @@ def near_panel(W: Vector, rules: Rules, b: Body, low: Low) -> None:
     for j in range(inner.shape[1]):
         share, weight = inner[SHARE, j], 5.0 * inner[WEIGHT, j]
         for i in range(LANES):
-            lowest = W[_LOWEST + i]
-            v, rate = lowest + (1.0 - lowest) * share, weight * (1.0 - lowest)
-            node = left_over(v, W[_H + i], W[_LOG_H + i], known_of(W, i), motion_of(W, i), b, low)
+            known, motion = read_closed(W, _CLOSED, i), read_motion(W, _MOTION, i)
+            v, rate = known.lowest + (1.0 - known.lowest) * share, weight * (1.0 - known.lowest)
+            node = left_over(v, W[_H + i], W[_LOG_H + i], known, motion, b, low)
             rate /= v
-            add(W, i, Integrals(rate * node.chi, rate * node.rest, rate * node.time))
+            add_sizes(W, i, Integrals(rate * node.chi, rate * node.rest, rate * node.time))
     for i in range(LANES):
-        W[_ANGLE_ERROR + i] += rules.truncation * (W[_CHI_SIZE + i] + W[_REST_SIZE + i])
-        W[_TIME_ERROR + i] += rules.truncation * W[_TIME_SIZE + i]
+        size = read_integrals(W, _SIZES, i)
+        W[_ANGLE_ERROR + i] += rules.truncation * (size.chi + size.rest)
+        W[_TIME_ERROR + i] += rules.truncation * size.time
 
 
 @device
@@ -230,19 +213,15 @@ def at_fixed(at: Fixed, motion: PassageConstants, b: Body) -> tuple[float, Integ
 @subroutine
 def far_panel(W: Vector, nodes: Matrix, b: Body) -> None:
     """Add a stretch below the vertical, by nodes at tilts that all samples share, and what rules miss."""
-    W[_CHI_LAST : _TIME_BEFORE + LANES] = 0.0
+    W[_LAST:_ROWS] = 0.0
     n = nodes.shape[1]
     for j in range(n):
         at, last, last_but_one = fixed(nodes, j), nodes[LAST, j], nodes[LAST_BUT_ONE, j]
         for i in range(LANES):
-            _speed2, node = at_fixed(at, motion_of(W, i), b)
-            add(W, i, node)
-            W[_CHI_LAST + i] += last * node.chi
-            W[_REST_LAST + i] += last * node.rest
-            W[_TIME_LAST + i] += last * node.time
-            W[_CHI_BEFORE + i] += last_but_one * node.chi
-            W[_REST_BEFORE + i] += last_but_one * node.rest
-            W[_TIME_BEFORE + i] += last_but_one * node.time
+            _speed2, node = at_fixed(at, read_motion(W, _MOTION, i), b)
+            add_sizes(W, i, node)
+            add(W, _LAST, i, last, node)
+            add(W, _BEFORE, i, last_but_one, node)
     estimate_truncation(W, nodes, b)
 
 
@@ -264,18 +243,18 @@ def estimate_truncation(W: Vector, nodes: Matrix, b: Body) -> None:
     n = nodes.shape[1]
     middle = fixed(nodes, n // 2)
     for i in range(LANES):
-        speed2, _node = at_fixed(middle, motion_of(W, i), b)
+        speed2, _node = at_fixed(middle, read_motion(W, _MOTION, i), b)
         moving = W[_MOVING + i]
         gained = 0.5 * b.M * speed2 - moving
         root2 = _MIDDLE * moving / (gained if gained > moving else moving)
         of_start, _less = exponential(-2.0 * n * math.sqrt(math.sqrt(root2)))
-        chi = share_of(W[_CHI_LAST + i], W[_CHI_BEFORE + i], W[_CHI_SIZE + i])
-        rest = share_of(W[_REST_LAST + i], W[_REST_BEFORE + i], W[_REST_SIZE + i])
-        time = share_of(W[_TIME_LAST + i], W[_TIME_BEFORE + i], W[_TIME_SIZE + i])
-        share = max(max(chi, rest), time)
+        size = read_integrals(W, _SIZES, i)
+        last, before = read_integrals(W, _LAST, i), read_integrals(W, _BEFORE, i)
+        angles = max(share_of(last.chi, before.chi, size.chi), share_of(last.rest, before.rest, size.rest))
+        share = max(angles, share_of(last.time, before.time, size.time))
         truncation = _OF_COEFFICIENTS * share * share + _OF_START * of_start
-        W[_ANGLE_ERROR + i] += truncation * (W[_CHI_SIZE + i] + W[_REST_SIZE + i])
-        W[_TIME_ERROR + i] += truncation * W[_TIME_SIZE + i]
+        W[_ANGLE_ERROR + i] += truncation * (size.chi + size.rest)
+        W[_TIME_ERROR + i] += truncation * size.time
 
 
 @subroutine
@@ -306,7 +285,7 @@ def passage_batch(crossings: Crossings, tables: Tables, disk: Disk, out: Matrix)
     time_error is NaN where tables do not serve.
     """
     b, rules, low = disk.body, tables.rules, tables.low
-    W, at = np.zeros(_ROWS * LANES), fixed(tables.vertical, 0)
+    W, at = np.zeros(_ROWS), fixed(tables.vertical, 0)
     for first in range(0, crossings.eta.size, LANES):
         load(W, _X, crossings.sigma3_bar, first, b.r0)
         load(W, _Y, crossings.eta, first, b.I1)
@@ -315,7 +294,7 @@ def passage_batch(crossings: Crossings, tables: Tables, disk: Disk, out: Matrix)
             W[_MOVING + i] *= 0.5 * b.M * W[_MOVING + i]
             W[_ROUNDED + i] = 0.0
             leave(W, i, at, 0.0, b)
-        W[_CHI_SIZE : _TIME_SIZE + LANES] = 0.0
+        W[_SIZES:_LAST] = 0.0
         turn(W, b, low)
         begin_near(W, b, low)
         near_panel(W, rules, b, low)
@@ -338,7 +317,7 @@ def fall_batch(departures: Departures, tables: Tables, disk: Disk, out: Matrix) 
     error is NaN where tables do not serve.
     """
     b, n = disk.body, departures.level.size
-    W, at = np.zeros(_ROWS * LANES), fixed(tables.vertical, 0)
+    W, at = np.zeros(_ROWS), fixed(tables.vertical, 0)
     for first in range(0, n, LANES):
         W[:] = 0.0
         load(W, _X, departures.sigma3_bar, first, b.r0)

@@ -58,8 +58,8 @@ def shorten(history: History, W: Vector, b: Body) -> None:
     """Steps about to be taken by all lanes, short enough to be drawn."""
     angle, time = history.angle, history.time
     for i in range(LANES):
-        step, most = W[STEP * LANES + i], longest(read(W, NOW, i), angle, time, b)
-        W[STEP * LANES + i] = most if most < step else step
+        step, most = W[STEP + i], longest(read(W, NOW, i), angle, time, b)
+        W[STEP + i] = most if most < step else step
 
 
 @subroutine
@@ -67,12 +67,12 @@ def keep(history: History, W: Vector) -> int:
     """Write down the steps that the lanes have just taken; returns how many there are so far."""
     used = history.used[0]
     for i in range(LANES):
-        if W[TAKEN * LANES + i] > 0.0 and W[SAMPLE * LANES + i] >= 0.0:
+        if W[TAKEN + i] > 0.0 and W[SAMPLE + i] >= 0.0:
             if used < history.rows.shape[0]:
                 for component in range(_WIDTH):
-                    history.rows[used, component] = W[(BEFORE + component) * LANES + i]
-                history.rows[used, LENGTH] = W[TAKEN * LANES + i]
-                history.rows[used, OWNER] = W[SAMPLE * LANES + i]
+                    history.rows[used, component] = W[BEFORE + component * LANES + i]
+                history.rows[used, LENGTH] = W[TAKEN + i]
+                history.rows[used, OWNER] = W[SAMPLE + i]
             used += 1
     history.used[0] = used
     return int(used)

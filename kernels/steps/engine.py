@@ -75,17 +75,17 @@ class Progress(NamedTuple):
 @subroutine
 def begin(work: Work, j: int, W: Vector, i: int, sweeps: int, b: Body) -> None:
     """Start sample j in lane i."""
-    W[lanes.X_HELD * LANES + i] = work.linear[0, j] / b.r0
-    W[lanes.Y_PLUS * LANES + i] = work.linear[1, j] / b.I1
-    W[lanes.Y_MINUS * LANES + i] = work.linear[2, j] / b.I1
+    W[lanes.X_HELD + i] = work.linear[0, j] / b.r0
+    W[lanes.Y_PLUS + i] = work.linear[1, j] / b.I1
+    W[lanes.Y_MINUS + i] = work.linear[2, j] / b.I1
     x, control = onto_circle(column(work.states, j), not math.isnan(work.linear[0, j])), work.control[j]
     unit = pace(x, b)
     write(W, NOW, i, x)
-    W[lanes.ENERGY * LANES + i], W[lanes.UNIT * LANES + i] = energy(x, b), unit
-    W[lanes.CONTROL * LANES + i], W[lanes.STEP * LANES + i] = first_step(work.method, control, unit)
-    W[lanes.NEXT * LANES + i], W[lanes.SAMPLE * LANES + i] = work.values[0], j
-    W[lanes.MET * LANES + i], W[lanes.SINCE * LANES + i] = 0.0, sweeps
-    W[lanes.LARGEST * LANES + i] = W[lanes.REMOVED * LANES + i] = W[lanes.MOVED * LANES + i] = 0.0
+    W[lanes.ENERGY + i], W[lanes.UNIT + i] = energy(x, b), unit
+    W[lanes.CONTROL + i], W[lanes.STEP + i] = first_step(work.method, control, unit)
+    W[lanes.NEXT + i], W[lanes.SAMPLE + i] = work.values[0], j
+    W[lanes.MET + i], W[lanes.SINCE + i] = 0.0, sweeps
+    W[lanes.LARGEST + i] = W[lanes.REMOVED + i] = W[lanes.MOVED + i] = 0.0
 
 
 @subroutine
@@ -94,7 +94,7 @@ def fill(work: Work, W: Vector, place: Progress, sweeps: int, b: Body) -> Progre
     upcoming, busy, status, look = place.upcoming, 0, work.status, sweeps >= place.due
     due = sweeps + min(work.max_steps, _LOOK) if look else place.due
     for i in range(LANES):
-        if W[lanes.SAMPLE * LANES + i] < 0.0:
+        if W[lanes.SAMPLE + i] < 0.0:
             while upcoming < status.size and status[upcoming] != _OK:
                 upcoming += 1
             if upcoming == status.size:
@@ -103,7 +103,7 @@ def fill(work: Work, W: Vector, place: Progress, sweeps: int, b: Body) -> Progre
             begin(work, upcoming, W, i, sweeps, b)
             upcoming += 1
         elif look:
-            due = min(due, int(W[lanes.SINCE * LANES + i]) + work.max_steps)
+            due = min(due, int(W[lanes.SINCE + i]) + work.max_steps)
         busy += 1
     return Progress(upcoming, busy, due)
 
@@ -112,20 +112,20 @@ def fill(work: Work, W: Vector, place: Progress, sweeps: int, b: Body) -> Progre
 def leave(work: Work, W: Vector, sweeps: int, look: bool) -> None:
     """Take the samples that have ended out of their lanes; look: also those that take too long."""
     for i in range(LANES):
-        note = W[lanes.NOTE * LANES + i]
+        note = W[lanes.NOTE + i]
         if note == NOTHING and not look:
             continue
-        j, spent = int(W[lanes.SAMPLE * LANES + i]), sweeps - int(W[lanes.SINCE * LANES + i])
+        j, spent = int(W[lanes.SAMPLE + i]), sweeps - int(W[lanes.SINCE + i])
         if j < 0 or (note == NOTHING and spent < work.max_steps and work.status[j] == _OK):
             continue
         work.steps[j] = spent
         if note != lanes.THROUGH:
             work.status[j] = _NOT_FINITE if note == BROKEN else _TOO_SMALL if note == STUCK else _STEP_LIMIT
-        elif not math.isnan(W[lanes.X_HELD * LANES + i]):
-            work.moved[0, j] = W[lanes.LARGEST * LANES + i] / W[lanes.ENERGY * LANES + i]
-            work.moved[1, j] = W[lanes.REMOVED * LANES + i] / W[lanes.ENERGY * LANES + i]
-            work.moved[2, j] = W[lanes.MOVED * LANES + i] / W[lanes.UNIT * LANES + i]
-        W[lanes.SAMPLE * LANES + i] = -1.0
+        elif not math.isnan(W[lanes.X_HELD + i]):
+            work.moved[0, j] = W[lanes.LARGEST + i] / W[lanes.ENERGY + i]
+            work.moved[1, j] = W[lanes.REMOVED + i] / W[lanes.ENERGY + i]
+            work.moved[2, j] = W[lanes.MOVED + i] / W[lanes.UNIT + i]
+        W[lanes.SAMPLE + i] = -1.0
 
 
 @subroutine
@@ -133,19 +133,19 @@ def collect(work: Work, W: Vector, arrived: Vector, waiting: int) -> int:
     """Send steps to `arrived`, once for each value they met, until it is full; returns how many wait there."""
     values = work.values
     for i in range(LANES):
-        while W[lanes.NOTE * LANES + i] == HIT:
+        while W[lanes.NOTE + i] == HIT:
             if waiting == LANES:
                 return waiting
-            for row in range(lanes.ROWS):
-                arrived[row * LANES + waiting] = W[row * LANES + i]
+            for row in range(0, lanes.ROWS, LANES):
+                arrived[row + waiting] = W[row + i]
             waiting += 1
-            met = int(W[lanes.MET * LANES + i]) + 1
-            W[lanes.MET * LANES + i] = met
+            met = int(W[lanes.MET + i]) + 1
+            W[lanes.MET + i] = met
             following = values[met] if met < values.size else math.inf
-            W[lanes.NEXT * LANES + i] = following
+            W[lanes.NEXT + i] = following
             before, after = level(read(W, BEFORE, i), work.event), level(read(W, NOW, i), work.event)
             if not crossed(before, after, following):
-                W[lanes.NOTE * LANES + i] = lanes.THROUGH if met == values.size else NOTHING
+                W[lanes.NOTE + i] = lanes.THROUGH if met == values.size else NOTHING
     return waiting
 
 
@@ -157,23 +157,23 @@ def locate_all(attempt: Any, depth: int, work: Work, W: Vector, waiting: int, di
     """
     b = disk.body
     for i in range(LANES):
-        x, end, h = read(W, BEFORE, i), read(W, NOW, i), W[lanes.TAKEN * LANES + i]
-        W[lanes.STEP * LANES + i] = first_guess(x, end, h, Stop(work.event, W[lanes.NEXT * LANES + i]), b)
-        W[lanes.SINCE * LANES + i], W[lanes.CONTROL * LANES + i] = h, _ANY
+        x, end, h = read(W, BEFORE, i), read(W, NOW, i), W[lanes.TAKEN + i]
+        W[lanes.STEP + i] = first_guess(x, end, h, Stop(work.event, W[lanes.NEXT + i]), b)
+        W[lanes.SINCE + i], W[lanes.CONTROL + i] = h, _ANY
         write(W, NOW, i, x)
     lanes.sweep(attempt, W, work.event, b)
     lanes.hold(W, disk)
     for i in range(LANES):
-        h = W[lanes.SINCE * LANES + i]
-        y, found = locate(read(W, NOW, i), h, Stop(work.event, W[lanes.NEXT * LANES + i]), b)
-        W[lanes.NOTE * LANES + i] = NOTHING if found else STUCK
+        h = W[lanes.SINCE + i]
+        y, found = locate(read(W, NOW, i), h, Stop(work.event, W[lanes.NEXT + i]), b)
+        W[lanes.NOTE + i] = NOTHING if found else STUCK
         write(W, NOW, i, to_depth(y, depth))
     for i in range(waiting):
         y = read(W, NOW, i)
-        if W[lanes.NOTE * LANES + i] != NOTHING:
-            stop, h = Stop(work.event, W[lanes.NEXT * LANES + i]), W[lanes.SINCE * LANES + i]
-            y = to_depth(settle(work.method, read(W, BEFORE, i), h, W[lanes.TAKEN * LANES + i], stop, b), depth)
-        j, k = int(W[lanes.SAMPLE * LANES + i]), int(W[lanes.MET * LANES + i])
+        if W[lanes.NOTE + i] != NOTHING:
+            stop, h = Stop(work.event, W[lanes.NEXT + i]), W[lanes.SINCE + i]
+            y = to_depth(settle(work.method, read(W, BEFORE, i), h, W[lanes.TAKEN + i], stop, b), depth)
+        j, k = int(W[lanes.SAMPLE + i]), int(W[lanes.MET + i])
         for component in range(10):
             work.out[j, k, component] = y[component]
 
@@ -181,7 +181,7 @@ def locate_all(attempt: Any, depth: int, work: Work, W: Vector, waiting: int, di
 @maker
 def make_lanes() -> Vector:
     """A work array without samples."""
-    W = np.zeros(lanes.ROWS * LANES)
+    W = np.zeros(lanes.ROWS)
     for i in range(LANES):
         idle(W, i)
     return W

@@ -12,16 +12,15 @@ from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import solutions
 from kernels.disk.constants import depth_below_vertical
 from kernels.disk.field import State, energy, reduced, with_reduced
+from kernels.records import reader, writer
 from kernels.steps.adaptive import SHORTEST_STEP
 from kernels.steps.events import Event, crossed, level
 from kernels.types import Vector
 
 LANES = 16  # two AVX-512 registers: enough independent work to hide latency, few enough to stay in them
 
-# Rows of the work array: entry (row, i) stands at row * LANES + i. One flat array with constant offsets, so
-# that the compiler can see that rows do not overlap; with several arrays, or a two-dimensional one, it gives
-# up vectorising ("too many memory checks needed").
-NOW, BEFORE = 0, 10  # states: after and before the latest attempted step
+# Rows of the work array.
+NOW, BEFORE = 0, 10 * LANES  # states: after and before the latest attempted step
 (
     # the next step, and the latest, which is 0 where it was refused; for `locate` that of the whole step
     STEP, TAKEN,
@@ -35,54 +34,25 @@ NOW, BEFORE = 0, 10  # states: after and before the latest attempted step
     LARGEST, REMOVED, MOVED,
     # which sample it is (-1: none), how many values it has met, and the sweep in which it began
     SAMPLE, MET, SINCE,
-) = range(20, 36)  # fmt: skip
-ROWS = 36
+) = range(20 * LANES, 36 * LANES, LANES)  # fmt: skip
+ROWS = 36 * LANES
 # notes of a sweep on a lane; THROUGH: it has met all of its values
 NOTHING, HIT, BROKEN, STUCK, THROUGH = 0.0, 1.0, 2.0, 3.0, 4.0
 # Shares of the energy: kinetic energy below which p is left alone, and the most that p is corrected by.
 _MOVING, _SMALL = 0.01, 0.01
 
 
-@device
-def read(W: Vector, row: int, i: int) -> State:
-    """The state in column i, its first component in the given row."""
-    return State(
-        W[row * LANES + i],
-        W[(row + 1) * LANES + i],
-        W[(row + 2) * LANES + i],
-        W[(row + 3) * LANES + i],
-        W[(row + 4) * LANES + i],
-        W[(row + 5) * LANES + i],
-        W[(row + 6) * LANES + i],
-        W[(row + 7) * LANES + i],
-        W[(row + 8) * LANES + i],
-        W[(row + 9) * LANES + i],
-    )
-
-
-@device
-def write(W: Vector, row: int, i: int, y: State) -> None:
-    """Put a state into column i, its first component into the given row."""
-    W[row * LANES + i] = y.q
-    W[(row + 1) * LANES + i] = y.z
-    W[(row + 2) * LANES + i] = y.p
-    W[(row + 3) * LANES + i] = y.rho
-    W[(row + 4) * LANES + i] = y.sigma4
-    W[(row + 5) * LANES + i] = y.t
-    W[(row + 6) * LANES + i] = y.chi
-    W[(row + 7) * LANES + i] = y.psi
-    W[(row + 8) * LANES + i] = y.a1
-    W[(row + 9) * LANES + i] = y.a2
+read, write = reader(State, LANES), writer(State, LANES)
 
 
 @subroutine
 def idle(W: Vector, i: int) -> None:
     """Park lane i: an upright disk at rest, which stays one whatever steps it takes."""
-    for row in range(ROWS):
-        W[row * LANES + i] = 0.0
-    W[NOW * LANES + i] = W[BEFORE * LANES + i] = W[CONTROL * LANES + i] = W[UNIT * LANES + i] = 1.0
-    W[ENERGY * LANES + i] = 1.0
-    W[NEXT * LANES + i], W[SAMPLE * LANES + i], W[X_HELD * LANES + i] = math.inf, -1.0, math.nan
+    for row in range(0, ROWS, LANES):
+        W[row + i] = 0.0
+    W[NOW + i] = W[BEFORE + i] = W[CONTROL + i] = W[UNIT + i] = 1.0
+    W[ENERGY + i] = 1.0
+    W[NEXT + i], W[SAMPLE + i], W[X_HELD + i] = math.inf, -1.0, math.nan
 
 
 @subroutine
@@ -90,24 +60,24 @@ def sweep(attempt: Any, W: Vector, event: Event, b: Body) -> int:
     """One attempted step of every lane by `attempt`; returns how many need attention."""
     for i in range(LANES):
         x = read(W, NOW, i)
-        h = W[STEP * LANES + i]
-        unit = W[UNIT * LANES + i]
-        y, accepted, following = attempt(x, h, W[CONTROL * LANES + i], unit, b)
-        hit = accepted & crossed(level(x, event), level(y, event), W[NEXT * LANES + i])
+        h = W[STEP + i]
+        unit = W[UNIT + i]
+        y, accepted, following = attempt(x, h, W[CONTROL + i], unit, b)
+        hit = accepted & crossed(level(x, event), level(y, event), W[NEXT + i])
         broken = accepted & (not all_finite(y))
         stuck = (not accepted) & (not following * unit > SHORTEST_STEP)
         note = HIT if hit else NOTHING
         note = BROKEN if broken else note
         note = STUCK if stuck else note
-        W[NOTE * LANES + i] = note
-        W[TAKEN * LANES + i] = h if accepted else 0.0
-        W[STEP * LANES + i] = following
+        W[NOTE + i] = note
+        W[TAKEN + i] = h if accepted else 0.0
+        W[STEP + i] = following
         write(W, BEFORE, i, x)
-        y = onto_circle(y, W[X_HELD * LANES + i] == W[X_HELD * LANES + i])
+        y = onto_circle(y, W[X_HELD + i] == W[X_HELD + i])
         write(W, NOW, i, y if accepted else x)
     attention = 0
     for i in range(LANES):
-        attention += W[NOTE * LANES + i] != NOTHING
+        attention += W[NOTE + i] != NOTHING
     return attention
 
 
@@ -141,9 +111,9 @@ def hold(W: Vector, disk: Disk) -> None:
     b = disk.body
     inv_kappa, weight, inv_k = 1.0 / b.kappa, math.sqrt(b.J_over_M), 1.0 / b.k
     for i in range(LANES):
-        x, bar, total = read(W, NOW, i), W[X_HELD * LANES + i], W[ENERGY * LANES + i]
+        x, bar, total = read(W, NOW, i), W[X_HELD + i], W[ENERGY + i]
         # All are loaded, so that nothing branches.
-        plus, minus = W[Y_PLUS * LANES + i], W[Y_MINUS * LANES + i]
+        plus, minus = W[Y_PLUS + i], W[Y_MINUS + i]
         rho, sigma4 = rates(x, bar, plus if x.z >= 0.0 else minus, inv_k, disk)
         y = with_reduced(x, x.q, x.z, x.p, rho, sigma4)
         excess = energy(y, b) - total
@@ -151,12 +121,12 @@ def hold(W: Vector, disk: Disk) -> None:
         # Where it hardly moves p cannot take the correction up.
         fastest = reduced(read(W, BEFORE, i), b)[2] * reduced(y, b)[2] < 0.0
         able = fastest & (kinetic > _MOVING * total) & (abs(excess) < _SMALL * kinetic) & (bar == bar)
-        W[LARGEST * LANES + i] = max_of(W[LARGEST * LANES + i], abs(excess))
-        W[REMOVED * LANES + i] += abs(excess) if able else 0.0
-        W[MOVED * LANES + i] += max_of(abs(rho - x.rho) * inv_kappa, abs(sigma4 - x.sigma4) * weight)
-        W[(NOW + 2) * LANES + i] = x.p * math.sqrt(1.0 - excess / kinetic) if able else x.p
-        W[(NOW + 3) * LANES + i] = rho if bar == bar else x.rho
-        W[(NOW + 4) * LANES + i] = sigma4 if bar == bar else x.sigma4
+        W[LARGEST + i] = max_of(W[LARGEST + i], abs(excess))
+        W[REMOVED + i] += abs(excess) if able else 0.0
+        W[MOVED + i] += max_of(abs(rho - x.rho) * inv_kappa, abs(sigma4 - x.sigma4) * weight)
+        W[NOW + 2 * LANES + i] = x.p * math.sqrt(1.0 - excess / kinetic) if able else x.p
+        W[NOW + 3 * LANES + i] = rho if bar == bar else x.rho
+        W[NOW + 4 * LANES + i] = sigma4 if bar == bar else x.sigma4
 
 
 @device

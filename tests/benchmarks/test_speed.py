@@ -17,10 +17,10 @@ import explorer as ex
 from explorer import compiled
 from explorer.motion.integration import InitialValues, follow
 from explorer.motion.plan import plan
-from explorer.motion.work_precision import STAGES
 from explorer.phase.coordinates import constants_to_states
 
 SAMPLES = 4096
+STAGES = {"rk4": 4, "rk8": 12, "dopri5": 7, "dop853": 12}
 # method, step or tolerance, steps of all samples together, 99th percentile of the error
 INTEGRATORS = [
     ("rk4", 0.1, 484403, 1e-3),

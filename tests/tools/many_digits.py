@@ -42,6 +42,11 @@ class Motion(NamedTuple):
     fall_angle: arb | None
     state: tuple[arb, arb]
 
+    @property
+    def theta_min(self):
+        """The smallest tilt, a double."""
+        return min(float(stretch.theta_min) for stretch in self.stretches)
+
 
 class Place(NamedTuple):
     """V and dV/dx, sigma3/q, sigma4, q and z at some x."""

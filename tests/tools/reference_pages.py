@@ -14,7 +14,7 @@ import explorer as ex
 from explorer import compiled
 from explorer.commands import calls
 from explorer.commands.main import COMMANDS, parser_of
-from explorer.commands.trade import Trading
+from explorer.commands.trade import TradeOptions
 from explorer.phase.columns import COLUMNS
 from explorer.phase.portrait import Portrait
 from explorer.runs.settings import Settings
@@ -249,7 +249,7 @@ from typing import Any, Literal, TypedDict, Unpack, overload
 import numpy as np
 
 from explorer.commands.plan import RunPlan
-from explorer.commands.trade import Trade
+from explorer.motion.work_precision import Trade
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 from explorer.measure.slices import Slice
@@ -270,7 +270,7 @@ def stub():
     for call, returned in (("run", "Run"), ("plan", "RunPlan")):
         text += f"\n@overload\ndef {call}(scene: Known, **options: Unpack[Keywords]) -> {returned}: ...\n"
         text += f"@overload\ndef {call}(scene: str | type[Scene], **options: Any) -> {returned}: ...\n"
-    own = ", ".join(f"{each.name}: {each.metadata['reader'].accepts} = ..." for each in options_of(Trading))
+    own = ", ".join(f"{each.name}: {each.metadata['reader'].accepts} = ..." for each in options_of(TradeOptions))
     return f"{text}\ndef trade(*, {own}) -> Trade: ...\n"
 
 

@@ -3,15 +3,19 @@
 python tests/tools/report_calibration.py      # some ten seconds once compiled
 """
 
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from reference_samples import ReferencePassages, through_time
 
 import explorer as ex
 from explorer.motion.calibration import MEASURED
 from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.plan import plan
-from explorer.motion.reference_samples import ReferencePassages, through_time
 
 BODIES = (ex.Disk.uniform(), ex.Disk.hoop(), ex.Disk(I1=0.02, I3=0.04), ex.Disk(I1=0.5, I3=0.3))
 PASSAGES, MOTIONS = 1024, 128

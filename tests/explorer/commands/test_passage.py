@@ -7,14 +7,14 @@ import pytest
 
 import explorer as ex
 from explorer.commands.main import main
-from explorer.commands.passage import Start, passage_report
+from explorer.commands.passage import PassageOptions, passage_report
 
 UNIFORM = ex.Disk.uniform()
 WORDS = ["passage", "--sigma3-bar", "1", "--phidot", "1", "--eta-hat"]
 
 
 def test_the_report_has_the_numbers_of_the_public_function():
-    report = passage_report(Start(sigma3_bar=0.3, eta_hat=-1e-6, phidot=0.8, face=-1))
+    report = passage_report(PassageOptions(sigma3_bar=0.3, eta_hat=-1e-6, phidot=0.8, face=-1))
     made = ex.passages(UNIFORM, 0.3, -1e-6, 0.8, -1)
     assert report["status"] == "ok"
     assert report["face"] == -1
@@ -30,7 +30,7 @@ def test_a_fall_has_both_limits_as_text_too(capsys):
 
 def test_the_report_of_a_fall_has_its_published_time_and_no_passage():
     hoop = ex.Disk.hoop()
-    report = passage_report(Start(disk=hoop, sigma3_bar=0.0, eta_hat=0.0, phidot=1.0))
+    report = passage_report(PassageOptions(disk=hoop, sigma3_bar=0.0, eta_hat=0.0, phidot=1.0))
     assert report["status"] == "falls"
     assert report["fall_time"] == pytest.approx(1.325324, abs=5e-7)
     assert report["duration"] is None
@@ -42,7 +42,7 @@ def test_the_report_of_a_fall_has_its_published_time_and_no_passage():
 @pytest.mark.parametrize(("disk", "least"), [(UNIFORM, -0.97), (ex.Disk.hoop(), -0.89)])
 def test_the_report_says_when_a_real_disk_would_lift_off(disk, least):
     """Section 8: the normal force of the paper's own scenes, in m g."""
-    report = passage_report(Start(disk=disk, sigma3_bar=1.0, eta_hat=0.01, phidot=1.0))
+    report = passage_report(PassageOptions(disk=disk, sigma3_bar=1.0, eta_hat=0.01, phidot=1.0))
     assert report["min_normal_force"] == pytest.approx(least, abs=0.01)
     assert "lift off" in report["warnings"][0]
 

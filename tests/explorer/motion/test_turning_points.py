@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from conftest import BODIES
-from slow_chaplygin import SlowMotion
+from tools.many_digits import from_constants, from_state
 
 import explorer as ex
 from explorer.motion.plan import plan
@@ -78,8 +78,8 @@ def test_the_smallest_tilt_of_bodies_of_little_I3_is_known_to_the_accuracy(I1, I
     theta, status, _ = smallest_tilt(phi_to_states(disk, *given), plan(("theta_min",), accuracy))
     assert (status == ex.Status.OK).mean() > 0.99
     for i in np.flatnonzero(status == ex.Status.OK)[:12]:
-        motion = SlowMotion.of_state(disk, *(float(column[i]) for column in given))
-        assert motion.turns_between(theta[i] * (1.0 - accuracy), theta[i] * (1.0 + accuracy))
+        motion = from_state((I1, I3), *(float(column[i]) for column in given))
+        assert theta[i] == pytest.approx(motion.theta_min, rel=accuracy)
 
 
 def test_little_axial_inertia_takes_no_digits_of_a_tilt():
@@ -89,8 +89,8 @@ def test_little_axial_inertia_takes_no_digits_of_a_tilt():
     theta, status, _ = smallest_tilt(phi_to_states(disk, *given), plan(("theta_min",), 1e-9))
     assert (status == ex.Status.OK).mean() > 0.99
     for i in np.flatnonzero(status == ex.Status.OK)[:12]:
-        motion = SlowMotion.of_state(disk, *(float(column[i]) for column in given))
-        assert motion.turns_between(theta[i] * (1.0 - 1e-9), theta[i] * (1.0 + 1e-9))
+        motion = from_state((disk.I1, disk.I3), *(float(column[i]) for column in given))
+        assert theta[i] == pytest.approx(motion.theta_min, rel=1e-9)
 
 
 @pytest.mark.parametrize("method", ["quadrature", "dop853"])
@@ -102,5 +102,6 @@ def test_the_smallest_tilt_has_the_constants_that_were_given_with_the_states(met
     theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-6, method))
     assert (status == ex.Status.OK).all()
     for i in range(n):
-        motion = SlowMotion.of_constants(disk, *(float(column[i]) for column in given))
-        assert motion.turns_between(theta[i] * (1.0 - 1e-6), theta[i] * (1.0 + 1e-6))
+        bar, eta_hat, phidot = (float(column[i]) for column in given)
+        motion = from_constants((disk.I1, disk.I3), 0.0, phidot, bar, eta_hat)
+        assert theta[i] == pytest.approx(motion.theta_min, rel=1e-6)

@@ -56,7 +56,7 @@ def drawn(tmp_path_factory, traded):
         "bifurcation-of-energies": (UNIFORM, "line"),
         "portraits-of-regions": (UNIFORM, "line"),
         "rosette": (ex.wander_path(ex.constants_to_states(UNIFORM, 0.7, 0.01, 1.0), 2),),
-        "work-precision": (traded.parts[0],),
+        "work-precision": (traded,),
         "probability": (run.summary,),
     }
     numbers = {"rotation": {"points": 10}}

@@ -10,6 +10,7 @@ from slow_chaplygin import hypergeometric
 
 from explorer.phase import linear_constants
 from explorer.phase.states import theta_to_states
+from kernels._jit import device
 from kernels.disk import constants
 from kernels.disk.chaplygin import sigma_from_constants, solutions
 
@@ -57,7 +58,6 @@ def test_constants_of_a_state_agree_with_forty_digits(face):
     ("plus", "minus"),
     [(1.0, 2.0), (2.0, -1.0), (-1.0, 1.0), (0.0, 0.0), (math.nan, 1.0), (1.0, math.nan)],
 )
-def test_kernels_and_explorer_agree_which_face_is_nearer_also_in_ties(plus, minus):
-    assert constants.nearer_plus.py_func(plus, minus) == linear_constants.nearer_plus(
-        np.array(plus), np.array(minus)
-    )
+def test_compiled_which_face_is_nearer_is_decided_alike_also_in_ties(plus, minus):
+    compiled = device(constants.nearer_minus)(plus, minus)
+    assert compiled != linear_constants.nearer_plus(np.array(plus), np.array(minus))

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from conftest import BODIES
 from motions import trajectories
+from reference_samples import IN_TIME, ReferenceMotions, ReferencePassages, through_time
 
 import explorer as ex
 from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.passages import passages
 from explorer.motion.plan import plan
-from explorer.motion.reference_samples import IN_TIME, ReferenceMotions, ReferencePassages, through_time
 from explorer.phase.coordinates import constants_to_states
 
 DISK = BODIES["hoop"]
