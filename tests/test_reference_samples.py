@@ -82,6 +82,6 @@ def test_a_motion_on_the_other_side_is_counted_and_races_are_left_out(start):
     assert samples.compare(other.call(how)).wrong_way[near & crossed].all()
     assert (near & crossed).any()
     racing = ReferenceMotions(
-        constants_to_states(DISK, 1.0, 1e-6, 1.0), passages(DISK, 1.0, 1e-6, 1.0).duration / 2.0
+        constants_to_states(DISK, 1.0, [1e-6], 1.0), passages(DISK, 1.0, [1e-6], 1.0).duration / 2.0
     )
     assert racing.compare(racing.call(how)).errors == [0.0]
