@@ -50,7 +50,7 @@ def missing(found):
         if is_dataclass(numbers):
             names += missing(numbers)
         elif not field.name.startswith("_") and isinstance(numbers, float | np.ndarray):
-            numbers = np.asarray(numbers).T if field.name == "constants_error" else np.asarray(numbers)
+            numbers = np.asarray(numbers)
             wrong = ~np.isfinite(numbers) if numbers.dtype.kind in "fc" else np.zeros(numbers.shape, bool)
             if wrong.shape[: status.ndim] == status.shape:  # the first axes are those of samples
                 wrong &= np.reshape(status == ex.Status.OK, (*status.shape, *(1,) * (wrong.ndim - status.ndim)))

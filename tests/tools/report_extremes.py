@@ -40,12 +40,12 @@ def measured(motions):
     for row in motions:
         start = row["sigma3_bar"], row["eta_hat"], abs(row["phidot"]), row["face"]
         tried = (ex.passages(disk, *start, accuracy=accuracy) for accuracy in LADDER)
-        got, accuracy = next(((got, a) for got, a in zip(tried, LADDER, strict=True) if got.ok[0]), (None, None))
+        got, accuracy = next(((got, a) for got, a in zip(tried, LADDER, strict=True) if got.ok), (None, None))
         if got is None:
             continue  # no limit motion has its energy
-        angle = max(abs(got.delta_chi[0] - row["chi_0"]), abs(got.delta_psi[0] - row["psi_0"]))
-        shares = got.duration[0] / row["duration_0"] - 1.0, got.theta_min[0] / row["theta_min_0"] - 1.0
-        yield accuracy, angle, max(map(abs, shares)), got.error_estimate[0]
+        angle = max(abs(got.delta_chi - row["chi_0"]), abs(got.delta_psi - row["psi_0"]))
+        shares = got.duration / row["duration_0"] - 1.0, got.theta_min / row["theta_min_0"] - 1.0
+        yield accuracy, angle, max(map(abs, shares)), got.error_estimate
 
 
 def main():
