@@ -297,17 +297,10 @@ def _followed(
         lengths = np.where(outcome.status == compiled.status.Status.OK, times.size, 0)
         if warns and set(names) & set(_TURNING):
             _warn_of_races(abs(np.diff(found[rows.chi])).max(axis=1, initial=0.0))
-    known: dict[str, Any] = values | outcome._asdict() | {"constants_error": outcome.constants_error.T}
-    return Trajectories(
-        t=np.broadcast_to(times, (states.size, times.shape[-1])),
-        **known,
-        lengths=lengths,
-        t_end=end,
-        states=states,
-        _start=start,
-        _records=records,
-        _jobs=jobs,
-    ).reshaped(states.shape)
+    known = {**values, **outcome._asdict(), "lengths": lengths, "t_end": end, "states": states}
+    known["t"] = np.broadcast_to(times, (states.size, times.shape[-1]))
+    known["constants_error"] = outcome.constants_error.T
+    return Trajectories(**known, _start=start, _records=records, _jobs=jobs).reshaped(states.shape)
 
 
 def _times(t_end: float | None, t_eval: ArrayLike | None) -> tuple[float, Array | None]:
