@@ -335,6 +335,15 @@ class Distribution:
         names = [name for name in self.chart.needed if name not in (*_TILTS, *_SPEEDS)]
         return self.coordinates[names[0]], self.coordinates[names[1]]
 
+    @property
+    def why_not_near_f(self) -> str:
+        """Why states as near F as one likes cannot be drawn; empty where they can."""
+        first, second = self.pair
+        names = f"{first.name} and {second.name}"
+        if first.free or second.free:
+            return f"{names}: eta_hat is fixed" if second.name == "eta_hat" and not second.free else ""
+        return f"{names} are both fixed, so that the falling set is met at single tilts or not at all"
+
     # Draws
 
     def draw_laws(self, random: Stream, count: int) -> dict[str, Array]:

@@ -150,11 +150,8 @@ def falling_constant(
 
 def constant_of(density: Distribution, seed: int = 0) -> FallingConstant:
     """C of a distribution of phi, phidot, sigma3 and sigma4; see `falling_constant`. seed: of the scrambles."""
-    if not any(density.coordinates[name].free for name in _RATES):
-        raise InputError(
-            "box: sigma3 and sigma4 are both fixed, so the falling set is met at single tilts or not at all; give "
-            "one of them a range"
-        )
+    if density.why_not_near_f:
+        raise InputError(f"box: {density.why_not_near_f}; give one of them a range")
     face, other = (_Integrand(density.seen_from(side)) for side in (1, -1))
     parts = [] if density.reaches_flat() else [face.on_line, other.on_line]
     # l_+ and l_- meet the box in the same states where it fixes a rate at 0: sigma3_bar = 0 on both.

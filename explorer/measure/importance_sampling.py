@@ -103,15 +103,6 @@ class NearFallingSet:
     count: int
     accuracy: float
 
-    @property
-    def why_not(self) -> str:
-        """Why F cannot be approached by draws; empty where it can."""
-        first, second = self.source.pair
-        names = f"{first.name} and {second.name}"
-        if first.free or second.free:
-            return f"{names}: eta_hat is fixed" if second.name == "eta_hat" and not second.free else ""
-        return f"{names} are numbers, so that the falling set is met at single tilts or not at all"
-
     def below(self, delta: float, random: Stream, draws: int, share: float = 1.0) -> Rare:
         """P(theta_min < delta), by so many draws at each face."""
         sums = []

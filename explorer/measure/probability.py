@@ -175,8 +175,8 @@ def probability(
     near = NearFallingSet(source, count, accuracy)
     if delta is None:
         return _plainly(counted, None, "", asked)
-    if near.why_not:
-        return _plainly(counted, None, f"{near.why_not}: the share of plain draws is counted", asked)
+    if source.why_not_near_f:
+        return _plainly(counted, None, f"{source.why_not_near_f}: the share of plain draws is counted", asked)
     draws = max(samples // _SHARE, LEAST)
     law = near.law(random, draws, counted.share)
     note = "" if law else _NO_LAW

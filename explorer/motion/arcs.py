@@ -39,14 +39,14 @@ def from_place(
 def places(disk: Disk, starts: "compiled.turning_points.Starts", d: Array, inward: bool) -> Array:
     """The points (9, n) at distances d from starts, rows as Place."""
     out = np.empty((len(compiled.turning_points.Place._fields), d.size))
-    compiled.turning_points.point_batch(starts, np.ascontiguousarray(d), inward, disk.chart, out)
+    compiled.turning_points.point_batch(starts, np.ascontiguousarray(d), inward, disk.arc_disk, out)
     return out
 
 
 def next_inward(disk: Disk, starts: "compiled.turning_points.Starts") -> "compiled.turning_points.Place[Array]":
     """The next turning points towards flat."""
     out = np.empty((len(compiled.turning_points.Place._fields), starts.X.size))
-    compiled.turning_points.inward_batch(starts, disk.chart, out)
+    compiled.turning_points.inward_batch(starts, disk.arc_disk, out)
     return compiled.turning_points.Place(*out)
 
 
@@ -89,7 +89,7 @@ def _kinds(arc: "compiled.rules.Arcs") -> NDArray[np.int64]:
 def by_rules(disk: Disk, kinds: NDArray[np.int64], arcs: Array, accuracy: float) -> Array:
     """The same, of arcs whose kinds are known, as they are."""
     out = np.zeros((len(compiled.rules.ArcRow._fields), kinds.size))
-    compiled.rules.arc_batch(kinds, compiled.rules.Arcs(*arcs), accuracy, rule(), disk.chart, out)
+    compiled.rules.arc_batch(kinds, compiled.rules.Arcs(*arcs), accuracy, rule(), disk.arc_disk, out)
     return out
 
 

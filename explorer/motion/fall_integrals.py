@@ -89,7 +89,7 @@ def falls_as_arcs(
     rest = np.flatnonzero(place(*begin).K < 0.0)
     if rest.size:
         found = np.empty((begin.shape[0], rest.size))
-        compiled.turning_points.rest_batch(rows_of(starts, rest), disk.chart, found)
+        compiled.turning_points.rest_batch(rows_of(starts, rest), disk.arc_disk, found)
         begin[:, rest] = found
     first, below_piece = np.zeros((len(rule.ArcRow._fields), n)), begin.copy()
     slow = np.flatnonzero(np.isfinite(place(*begin).slow))

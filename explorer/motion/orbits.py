@@ -63,7 +63,7 @@ def ends_of(disk: Disk, motions: ArcStarts) -> Ends:
     """The turning points of motions."""
     turning, n = compiled.turning_points, motions.starts.X.size
     tables = np.empty((4, len(turning.Place._fields), n))
-    turning.orbit_batch(motions.starts, disk.chart, *tables)
+    turning.orbit_batch(motions.starts, disk.arc_disk, *tables)
     state, inner, outer, vertical = (turning.Place(*table) for table in tables)
     crosses, far = outer.K > 0.0, np.full(tables[0].shape, np.nan)
     rows = np.flatnonzero(crosses)
@@ -202,7 +202,7 @@ def _nutations(disk: Disk, motions: ArcStarts, ends: Ends, rows: NDArray[np.intp
         -vertical.sigma4,
     )
     whole, lead, upright = out = np.empty((3, len(compiled.rules.ArcRow._fields), rows.size))
-    compiled.nutation.well_batch(wells, _points(), disk.chart, out.reshape(-1, rows.size))
+    compiled.nutation.well_batch(wells, _points(), disk.arc_disk, out.reshape(-1, rows.size))
     rest = np.vstack([whole[:3] - upright[:3], whole[3:]])
     rest[2] *= -1.0  # psi, as that face has it
     return whole, np.where(crosses, upright, whole), np.where(crosses, rest, np.nan), lead

@@ -316,15 +316,15 @@ class Disk:
         return 0.0 if abs(gap) < 1e-12 else gap % (2.0 * math.pi)
 
     @cached_property
-    def natural(self) -> compiled.body.Disk:
+    def natural(self) -> compiled.body.NaturalDisk:
         """The disk as the kernels take it: dimensionless constants and Chaplygin series."""
         unit = self._inertia_unit
         return compiled.body.make_disk(self.I1 / unit, self.I3 / unit)
 
     @cached_property
-    def chart(self) -> compiled.potential.Chart:
+    def arc_disk(self) -> compiled.potential.ArcDisk:
         """The form of the disk in which arcs of motions are computed."""
-        return compiled.potential.make_chart(self.natural)
+        return compiled.potential.make_arc_disk(self.natural)
 
     @property
     def body(self) -> compiled.body.Body:

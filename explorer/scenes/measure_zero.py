@@ -89,11 +89,8 @@ class MeasureZero(FromDensity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not any(self.source.coordinates[name].free for name in ("sigma3", "sigma4")):
-            raise InputError(
-                "box: sigma3 and sigma4 are both fixed, so the falling set is met at isolated tilts or not at "
-                "all; give one of them a range"
-            )
+        if self.source.why_not_near_f:
+            raise InputError(f"box: {self.source.why_not_near_f}; give one of them a range")
         if self.source.reaches_flat():
             raise InputError(
                 "box: reaches flat (phi = +-pi/2), where the density does not vanish, and the energy has no "

@@ -22,8 +22,8 @@ from kernels._jit import kernel, subroutine
 from kernels.arcs.potential import (
     END_ROWS,
     LANES,
-    Chart,
-    Motion,
+    ArcDisk,
+    FaceMotion,
     make_ends,
     point_at,
     put_end,
@@ -89,7 +89,7 @@ def make_points() -> Points:
 
 
 @subroutine
-def load(A: Vector, wells: Wells, first: int, chart: Chart) -> None:
+def load(A: Vector, wells: Wells, first: int, disk: ArcDisk) -> None:
     """Wells into lanes; the last one fills those that are left over."""
     inner = wells.inner
     for i in range(LANES):
@@ -99,8 +99,8 @@ def load(A: Vector, wells: Wells, first: int, chart: Chart) -> None:
         A[_UPRIGHT + i], A[_INNER + i], A[_OUTER + i] = wells.to_vertical[j], 0.0, 0.0
         put_end(A, 0, i, inner.r[j], inner.w[j], inner.sigma3[j], inner.sigma4[j])
         put_end(A, _FAR, i, 1.0, 0.0, wells.sigma3_vertical[j], wells.sigma4_far[j])
-    make_ends(A, 0, chart)
-    make_ends(A, _FAR, chart)
+    make_ends(A, 0, disk)
+    make_ends(A, _FAR, disk)
 
 
 @subroutine
@@ -108,9 +108,9 @@ def look(A: Vector, j: int, share: float, b: Body) -> None:
     """What integrands and V'' need of point j, in all lanes."""
     for i in range(LANES):
         s, upright = (A[_L + i] + A[_OUTER + i]) * share - A[_INNER + i] * (1.0 - share), A[_UPRIGHT + i]
-        P = point_at(A, 0, i, min(s, upright), False, Motion(A[_X + i], A[_Y + i]), b)
+        P = point_at(A, 0, i, min(s, upright), False, FaceMotion(A[_X + i], A[_Y + i]), b)
         beyond = max(s - upright, 0.0)
-        F = point_at(A, _FAR, i, beyond, True, Motion(A[_X + i], A[_Y_FAR + i]), b)
+        F = point_at(A, _FAR, i, beyond, True, FaceMotion(A[_X + i], A[_Y_FAR + i]), b)
         here = s <= upright
         q, z, ratio = P.q if here else F.q, P.z if here else -F.z, P.ratio if here else F.ratio
         sigma4 = P.sigma4 if here else -F.sigma4
@@ -222,24 +222,24 @@ def weigh(A: Vector, i: int, points: Points, b: Body) -> None:
 
 
 @kernel
-def well_batch(wells: Wells, points: Points, chart: Chart, out: Matrix) -> None:
+def well_batch(wells: Wells, points: Points, disk: ArcDisk, out: Matrix) -> None:
     """Every well -> three times (5, n) as ArcRow: all of it, its way to the state, that to the vertical."""
     A, n = np.zeros(_ROWS), wells.to_state.size
     whole, state, vertical = out[:5], out[5:10], out[10:]
     for first in range(0, n, LANES):
-        load(A, wells, first, chart)
+        load(A, wells, first, disk)
         last, looked, moved = min(LANES, n - first), 0, 1
         while looked < 2 and moved > 0:
             for j in range(POINTS):
-                look(A, j, points.share[j], chart.body)
+                look(A, j, points.share[j], disk.body)
             looked, moved = looked + 1, 0
             for i in range(last):
                 multiply(A, i, _BEND, points.twice)
-                if looked == 1 and set_right(A, i, wells, first + i, points, chart.body):
+                if looked == 1 and set_right(A, i, wells, first + i, points, disk.body):
                     moved += 1
         for i in range(min(LANES, n - first)):
             j, inner, outer = first + i, A[_INNER + i], A[_OUTER + i]
-            weigh(A, i, points, chart.body)
+            weigh(A, i, points, disk.body)
             put(partly(A, i, 1.0, 0.0, 0.0), whole, j)
             to, rest = max(wells.to_state[j] + inner, 0.0), max(wells.from_state[j] + outer, 0.0)
             put(partly(A, i, to, rest, A[_SLACK + i]), state, j)

@@ -22,7 +22,7 @@ import numpy as np
 
 from kernels._jit import device, subroutine
 from kernels.disk import chaplygin
-from kernels.disk.body import Body, Disk
+from kernels.disk.body import Body, NaturalDisk
 from kernels.disk.elementary import exponential, log_ratio, logarithm
 from kernels.disk.polynomials import economise
 from kernels.records import reader
@@ -34,7 +34,7 @@ DIVIDED = 4 * DEGREE  # coefficients of the divided differences of four polynomi
 _LN2 = math.log(2.0)
 
 
-class Chart(NamedTuple):
+class ArcDisk(NamedTuple):
     """A body as arcs need it.
 
     series: (4, DEGREE + 1) ascending powers of 2S - 1 of rho/S, rho' - 1, v and v' - v'(0). All change by what is
@@ -45,7 +45,7 @@ class Chart(NamedTuple):
     series: Matrix
 
 
-class Motion(NamedTuple):
+class FaceMotion(NamedTuple):
     """A motion on one face: sigma3 = X rho + Y D, k sigma4 = X rho' + Y D' with the sigma4 of that face."""
 
     X: float
@@ -95,12 +95,12 @@ class Point(NamedTuple):
     size: float
 
 
-def make_chart(disk: Disk) -> Chart:
+def make_arc_disk(disk: NaturalDisk) -> ArcDisk:
     """The series of a body for arcs."""
     rows, _r0, _dr0 = chaplygin.power_series(disk.body.c)
     start = np.array([0.0, 1.0, 0.0, rows[3][0]])
     small = [np.append(row[0] - first, row[1:]) for row, first in zip(rows[:4], start, strict=True)]
-    return Chart(disk.body, np.ascontiguousarray([_of_slope(row) for row in small]))
+    return ArcDisk(disk.body, np.ascontiguousarray([_of_slope(row) for row in small]))
 
 
 def _of_slope(row: Vector) -> Vector:
@@ -119,9 +119,9 @@ def put_end(A: Vector, at: int, i: int, r: float, w: float, sigma3: float, sigma
 
 
 @subroutine
-def make_ends(A: Vector, at: int, chart: Chart) -> None:
+def make_ends(A: Vector, at: int, disk: ArcDisk) -> None:
     """The ends in rows `at` and following of a work array, from their r, w, sigma3 and sigma4."""
-    E, series = A[at:], chart.series
+    E, series = A[at:], disk.series
     for i in range(LANES):
         r, w = E[R + i], E[W + i]
         larger = 1.0 + r * r
@@ -152,7 +152,7 @@ def make_ends(A: Vector, at: int, chart: Chart) -> None:
         drho = 1.0 + (C[DEGREE * LANES + i] * t + series[1, 0])
         v = C[2 * DEGREE * LANES + i] * t + series[2, 0]
         E[RHO_OVER_S + i], E[INV_G + i], E[DRHO + i] = g, 1.0 / g, drho
-        E[D + i] = 0.5 * chart.body.c * E[S + i] * g * E[LOG_S + i] + v
+        E[D + i] = 0.5 * disk.body.c * E[S + i] * g * E[LOG_S + i] + v
 
 
 @device
@@ -195,7 +195,7 @@ def quotients(A: Vector, first: int, t: float) -> tuple[float, float, float, flo
 
 
 @device
-def point_at(A: Vector, at: int, i: int, d: float, inward: bool, motion: Motion, b: Body) -> Point:
+def point_at(A: Vector, at: int, i: int, d: float, inward: bool, motion: FaceMotion, b: Body) -> Point:
     """The point at the distance d from the end of lane i in rows `at` and following.
 
     inward: towards flat, or away from it; a constant.

@@ -22,8 +22,8 @@ from kernels._jit import device, kernel, subroutine
 from kernels.arcs.potential import (
     END_ROWS,
     LANES,
-    Chart,
-    Motion,
+    ArcDisk,
+    FaceMotion,
     make_ends,
     point_at,
     put_end,
@@ -223,7 +223,7 @@ def moved_by(K: float, slow: float, error: float, length: float) -> float:
 
 
 @subroutine
-def load(A: Vector, arcs: Arcs, rows: Longs, first: int, n: int, chart: Chart) -> None:
+def load(A: Vector, arcs: Arcs, rows: Longs, first: int, n: int, disk: ArcDisk) -> None:
     """Arcs into lanes; the last one fills those that are left over."""
     for i in range(LANES):
         j = rows[min(first + i, n - 1)]
@@ -238,8 +238,8 @@ def load(A: Vector, arcs: Arcs, rows: Longs, first: int, n: int, chart: Chart) -
         A[_SLOW + i], A[_LENGTH + i] = slow, math.asinh(arcs.L[j] / slow) if slow < math.inf else 0.0
         put_end(A, 0, i, arcs.r_in[j], arcs.w_in[j], arcs.sigma3_in[j], arcs.sigma4_in[j])
         put_end(A, _OUTER, i, arcs.r_out[j], arcs.w_out[j], arcs.sigma3_out[j], arcs.sigma4_out[j])
-    make_ends(A, 0, chart)
-    make_ends(A, _OUTER, chart)
+    make_ends(A, 0, disk)
+    make_ends(A, _OUTER, disk)
 
 
 @device
@@ -262,7 +262,7 @@ def placed(A: Vector, i: int, share: float, rate: float, slow: bool) -> tuple[fl
 def add_node(A: Vector, i: int, node: Node, inside: bool, slow: bool, b: Body) -> None:
     """Add a node to the sums of lane i; inside, slow: constants."""
     d, rate = placed(A, i, node.share, node.rate, slow)
-    P = point_at(A, 0 if inside else _OUTER, i, d, not inside, Motion(A[_X + i], A[_Y + i]), b)
+    P = point_at(A, 0 if inside else _OUTER, i, d, not inside, FaceMotion(A[_X + i], A[_Y + i]), b)
     K = (A[_K_IN + i] if inside else A[_K_OUT + i]) - P.rise
     inv_K = 1.0 / K
     ds = rate * math.sqrt(0.5 * b.M * inv_K)
@@ -382,7 +382,7 @@ def pick(kind: int, kinds: Longs, arcs: Arcs, digits: float, rows: Longs, sizes:
 
 
 @kernel
-def arc_batch(kinds: Longs, arcs: Arcs, accuracy: float, rule: Rule, chart: Chart, out: Matrix) -> None:
+def arc_batch(kinds: Longs, arcs: Arcs, accuracy: float, rule: Rule, disk: ArcDisk, out: Matrix) -> None:
     """Every arc of its kind (n) -> out (5, n), rows as ArcRow.
 
     accuracy: of the angles (rad) and, relative, of the time: more nodes are taken until the estimate allows, or
@@ -392,7 +392,7 @@ def arc_batch(kinds: Longs, arcs: Arcs, accuracy: float, rule: Rule, chart: Char
     A, rows, sizes, now = np.zeros(_ROWS), np.zeros(n, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64)
     digits = math.log10(_SAFETY / accuracy) / _POWER
     for kind in range(KINDS):
-        left = pick(kind, kinds, arcs, digits, rows, sizes, chart.body)
+        left = pick(kind, kinds, arcs, digits, rows, sizes, disk.body)
         for size in range(SIZES):
             # Those that begin later stay in `rows`; those that do now, or go on, move to `now`.
             m, later = 0, 0
@@ -405,8 +405,8 @@ def arc_batch(kinds: Longs, arcs: Arcs, accuracy: float, rule: Rule, chart: Char
                     later += 1
             left = later
             for first in range(0, m, LANES):
-                load(A, arcs, now, first, m, chart)
-                integrate(A, kind, size, rule, chart.body)
+                load(A, arcs, now, first, m, disk)
+                integrate(A, kind, size, rule, disk.body)
                 for i in range(min(LANES, m - first)):
                     j = now[first + i]
                     row, missing = found_in(A, i)

@@ -15,8 +15,8 @@ from kernels._jit import device, kernel, subroutine
 from kernels.arcs.potential import (
     END_ROWS,
     LANES,
-    Chart,
-    Motion,
+    ArcDisk,
+    FaceMotion,
     Point,
     R,
     end_of,
@@ -116,20 +116,20 @@ def step_of(moving: float, slope: float, bound: float) -> float:
 
 
 @subroutine
-def load(A: Vector, starts: Starts, first: int, chart: Chart) -> None:
+def load(A: Vector, starts: Starts, first: int, disk: ArcDisk) -> None:
     """Starts from `first` on into lanes; the last one fills those that are left over."""
     last = starts.X.size - 1
     for i in range(LANES):
         j = min(first + i, last)
         A[_X + i], A[_Y + i], A[_MOVING + i] = starts.X[j], starts.Y[j], starts.K[j]
         put_end(A, 0, i, starts.r[j], starts.w[j], starts.sigma3[j], starts.sigma4[j])
-    make_ends(A, 0, chart)
+    make_ends(A, 0, disk)
 
 
 @device
 def point_of(A: Vector, i: int, d: float, inward: bool, b: Body) -> Point:
     """The point at a distance from the start of lane i."""
-    return point_at(A, 0, i, d, inward, Motion(A[_X + i], A[_Y + i]), b)
+    return point_at(A, 0, i, d, inward, FaceMotion(A[_X + i], A[_Y + i]), b)
 
 
 @device
@@ -428,18 +428,18 @@ def store_ends(A: Vector, first: int, b: Body, state: Matrix, vertical: Matrix) 
 
 
 @kernel
-def inward_batch(starts: Starts, chart: Chart, out: Matrix) -> None:
+def inward_batch(starts: Starts, disk: ArcDisk, out: Matrix) -> None:
     """The next turning point towards flat from every start -> out (9, n), rows as Place."""
     A = np.zeros(_ROWS)
     for first in range(0, out.shape[1], LANES):
-        load(A, starts, first, chart)
-        search(A, True, chart.body)
-        store(A, first, True, chart.body, out)
+        load(A, starts, first, disk)
+        search(A, True, disk.body)
+        store(A, first, True, disk.body, out)
 
 
 @kernel
 def orbit_batch(
-    starts: Starts, chart: Chart, state: Matrix, inner: Matrix, outer: Matrix, vertical: Matrix
+    starts: Starts, disk: ArcDisk, state: Matrix, inner: Matrix, outer: Matrix, vertical: Matrix
 ) -> None:
     """Where every motion turns on the face of its start -> four times (9, n), rows as Place.
 
@@ -449,31 +449,31 @@ def orbit_batch(
     """
     A = np.zeros(_ROWS)
     for first in range(0, inner.shape[1], LANES):
-        load(A, starts, first, chart)
-        search(A, True, chart.body)
-        store(A, first, True, chart.body, inner)
-        search(A, False, chart.body)
-        store(A, first, False, chart.body, outer)
-        store_ends(A, first, chart.body, state, vertical)
+        load(A, starts, first, disk)
+        search(A, True, disk.body)
+        store(A, first, True, disk.body, inner)
+        search(A, False, disk.body)
+        store(A, first, False, disk.body, outer)
+        store_ends(A, first, disk.body, state, vertical)
 
 
 @kernel
-def rest_batch(starts: Starts, chart: Chart, out: Matrix) -> None:
+def rest_batch(starts: Starts, disk: ArcDisk, out: Matrix) -> None:
     """Where motions on F (Y = 0) with K < 0 at their starts begin from rest, towards flat -> out (9, n)."""
     A = np.zeros(_ROWS)
     for first in range(0, out.shape[1], LANES):
-        load(A, starts, first, chart)
-        search_rest(A, chart.body)
-        store(A, first, True, chart.body, out)
+        load(A, starts, first, disk)
+        search_rest(A, disk.body)
+        store(A, first, True, disk.body, out)
 
 
 @kernel
-def point_batch(starts: Starts, d: Vector, inward: bool, chart: Chart, out: Matrix) -> None:
+def point_batch(starts: Starts, d: Vector, inward: bool, disk: ArcDisk, out: Matrix) -> None:
     """The point at a distance from every start -> out (9, n), rows as Place."""
     A = np.zeros(_ROWS)
     for first in range(0, d.size, LANES):
-        load(A, starts, first, chart)
+        load(A, starts, first, disk)
         for i in range(LANES):
             A[_D + i] = d[min(first + i, d.size - 1)]
-        place_all(A, inward, chart.body)
+        place_all(A, inward, disk.body)
         write(A, first, out)

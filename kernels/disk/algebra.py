@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from kernels._jit import kernel, subroutine
-from kernels.disk.body import Body, Disk
+from kernels.disk.body import Body, NaturalDisk
 from kernels.disk.chaplygin import Solutions, solutions
-from kernels.disk.constants import Constants, depth_below_vertical, from_solutions
+from kernels.disk.constants import MotionConstants, depth_below_vertical, from_solutions
 from kernels.disk.field import energy, reduced_state
 from kernels.records import reader, writer
 from kernels.types import Matrix, Vector
@@ -16,12 +16,12 @@ LANES = 64  # eight AVX-512 registers; columns of a block stay in the first cach
 # Rows of the work array: the state; its constants; the solutions at its tilt.
 Q, Z, P, RHO, SIGMA4 = range(0, 5 * LANES, LANES)
 CONSTANTS, SOLUTIONS, ROWS = 5 * LANES, 11 * LANES, 16 * LANES
-read_constants, write_constants = reader(Constants, LANES), writer(Constants, LANES)
+read_constants, write_constants = reader(MotionConstants, LANES), writer(MotionConstants, LANES)
 read_solutions, write_solutions = reader(Solutions, LANES), writer(Solutions, LANES)
 
 
 @subroutine
-def solve(W: Vector, disk: Disk) -> None:
+def solve(W: Vector, disk: NaturalDisk) -> None:
     """The solutions at the tilts."""
     for i in range(LANES):
         q, z = W[Q + i], W[Z + i]
@@ -56,8 +56,8 @@ def store(W: Vector, row: int, first: int, count: int, rows: Matrix) -> None:
 
 
 @kernel
-def constants_batch(states: Matrix, disk: Disk, out: Matrix) -> None:
-    """states (5, n): q, z, p, rho, sigma4 -> out (6, n), rows as Constants. NaN where not q > 0."""
+def constants_batch(states: Matrix, disk: NaturalDisk, out: Matrix) -> None:
+    """states (5, n): q, z, p, rho, sigma4 -> out (6, n), rows as MotionConstants. NaN where not q > 0."""
     n, W = states.shape[1], np.zeros(ROWS)
     for first in range(0, n, LANES):
         count = min(LANES, n - first)

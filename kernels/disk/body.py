@@ -24,7 +24,7 @@ class Body(NamedTuple):
     dr0: float  # r'(0)
 
 
-class Disk(NamedTuple):
+class NaturalDisk(NamedTuple):
     """What kernels know of a disk: its constants, and Chaplygin's series.
 
     Made by :func:`make_disk`, which does not validate: ``explorer.Disk`` does.
@@ -34,7 +34,7 @@ class Disk(NamedTuple):
     series: Series
 
 
-def make_disk(I1: float, I3: float) -> Disk:
+def make_disk(I1: float, I3: float) -> NaturalDisk:
     """The disk with the moments of inertia I1/(m r^2) and I3/(m r^2)."""
     M, J = I1 + 1.0, I3 + 1.0
     c = I3 / (J * I1)
@@ -54,4 +54,4 @@ def make_disk(I1: float, I3: float) -> Disk:
         r0=r0,
         dr0=dr0,
     )
-    return Disk(body, series)
+    return NaturalDisk(body, series)

@@ -11,7 +11,7 @@ from kernels.disk.field import State
 from kernels.records import Entry
 
 
-class Constants(NamedTuple, Generic[Entry]):
+class MotionConstants(NamedTuple, Generic[Entry]):
     """Constants of one motion in natural units.
 
     rounding_plus and rounding_minus bound the rounding error of eta_plus and eta_minus: each eta is
@@ -49,7 +49,7 @@ def depth_below_vertical(q: float, z: float) -> tuple[float, float]:
 
 
 @device
-def from_solutions(x: State, f: Solutions, E: float, b: Body) -> Constants[float]:
+def from_solutions(x: State, f: Solutions, E: float, b: Body) -> MotionConstants[float]:
     """Constants of the state x with energy E, f the solutions at its tilt.
 
     On the hemisphere of the state eta is found directly; the other one follows from
@@ -63,7 +63,7 @@ def from_solutions(x: State, f: Solutions, E: float, b: Body) -> Constants[float
     far = both - near
     near_rounding = _ULPS * b.I1 * (abs(sigma3 * f.drho) + abs(spin * f.rho))
     far_rounding = near_rounding + _ULPS * (abs(both) + abs(near))
-    return Constants(
+    return MotionConstants(
         sigma3_bar,
         near if north else far,
         far if north else near,

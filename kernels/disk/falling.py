@@ -13,7 +13,7 @@ from numba import types as nb
 
 from kernels._jit import device, kernel, subroutine
 from kernels.disk import chaplygin
-from kernels.disk.body import Body, Disk
+from kernels.disk.body import Body, NaturalDisk
 from kernels.disk.chaplygin import Solutions
 from kernels.disk.constants import depth_below_vertical
 from kernels.disk.elementary import EPSILON
@@ -124,7 +124,7 @@ def rates_on_f(X: float, q: float, z: float, f: Solutions, b: Body) -> tuple[flo
 
 
 @device
-def on_f(q: float, z: float, X: float, disk: Disk) -> OnF:
+def on_f(q: float, z: float, X: float, disk: NaturalDisk) -> OnF:
     """The motion with eta_+ = 0 where cos phi = q, sin phi = z. Needs I3 > 0. Eqs (3.8), (5.9)."""
     b = disk.body
     S, log_S = depth_below_vertical(q, z)
@@ -136,21 +136,21 @@ def on_f(q: float, z: float, X: float, disk: Disk) -> OnF:
 
 
 @subroutine
-def tilt(q: float, z: float, disk: Disk) -> Tilt:
+def tilt(q: float, z: float, disk: NaturalDisk) -> Tilt:
     """The tilt where cos phi = q, sin phi = z."""
     one = on_f(q, z, 1.0, disk)
     return Tilt(q, z, one.V - q, one.dV + z)
 
 
 @subroutine
-def critical_X2(phi: float, disk: Disk) -> float:
+def critical_X2(phi: float, disk: NaturalDisk) -> float:
     """The X^2 for which V has a critical point at phi < 0 (its other hemisphere)."""
     q, z = math.cos(phi), math.sin(phi)
     return z / tilt(q, z, disk).dU
 
 
 @subroutine
-def barrier_angle(X: float, well_phi: float, disk: Disk) -> float:
+def barrier_angle(X: float, well_phi: float, disk: NaturalDisk) -> float:
     """phi of the local maximum of V between a non-falling well and the vertical; NaN if there is none.
 
     well_phi is where critical_X2 peaks: the well and the barrier merge there.
@@ -181,7 +181,7 @@ def passes_barrier(z: float, energy: float, X: float, o: Obstacle) -> int:
 
 
 @device
-def reaches_flat(at: Tilt, energy: float, X: float, o: Obstacle, disk: Disk) -> bool:
+def reaches_flat(at: Tilt, energy: float, X: float, o: Obstacle, disk: NaturalDisk) -> bool:
     """True if the component of {V < energy} that contains the tilt reaches phi = +pi/2, for eta_+ = 0.
 
     From the vertical to flat V only decreases; beyond the vertical a barrier may stand between.
@@ -200,7 +200,7 @@ def reaches_flat(at: Tilt, energy: float, X: float, o: Obstacle, disk: Disk) -> 
 
 
 @subroutine
-def passes_bisected(z: float, energy: float, X: float, well_phi: float, disk: Disk) -> bool:
+def passes_bisected(z: float, energy: float, X: float, well_phi: float, disk: NaturalDisk) -> bool:
     """As `passes_barrier`, by bisection for the barrier."""
     phi = barrier_angle(X, well_phi, disk)
     if not z < math.sin(phi):
@@ -209,14 +209,14 @@ def passes_bisected(z: float, energy: float, X: float, well_phi: float, disk: Di
 
 
 @kernel
-def critical_X2_batch(phi: Vector, disk: Disk, out: Vector) -> None:
+def critical_X2_batch(phi: Vector, disk: NaturalDisk, out: Vector) -> None:
     """critical_X2 at every phi < 0."""
     for i in range(phi.size):
         out[i] = critical_X2(phi[i], disk)
 
 
 @device
-def line_chart(q: float, z: float, disk: Disk) -> LineChart[float]:
+def line_chart(q: float, z: float, disk: NaturalDisk) -> LineChart[float]:
     """The chart where cos phi = q, sin phi = z. Needs I3 > 0. Eqs (3.5), (6.2)."""
     b = disk.body
     S, log_S = depth_below_vertical(q, z)
@@ -233,14 +233,14 @@ def line_chart(q: float, z: float, disk: Disk) -> LineChart[float]:
 
 
 @kernel
-def line_chart_batch(q: Vector, z: Vector, disk: Disk, out: Matrix) -> None:
+def line_chart_batch(q: Vector, z: Vector, disk: NaturalDisk, out: Matrix) -> None:
     """q = cos phi, z = sin phi (n) -> out (4, n), rows as LineChart."""
     for i in range(q.size):
         put(line_chart(q[i], z[i], disk), out, i)
 
 
 @kernel
-def barrier_batch(sigma3_bar: Vector, well_phi: float, disk: Disk, out: Matrix) -> None:
+def barrier_batch(sigma3_bar: Vector, well_phi: float, disk: NaturalDisk, out: Matrix) -> None:
     """sigma3_bar (n) -> out (2, n), rows as Barrier."""
     for i in range(sigma3_bar.size):
         X = sigma3_bar[i] / disk.body.r0

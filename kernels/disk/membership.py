@@ -20,7 +20,7 @@ from kernels.disk.algebra import (
     solve,
     store,
 )
-from kernels.disk.body import Body, Disk
+from kernels.disk.body import Body, NaturalDisk
 from kernels.disk.chaplygin import Solutions
 from kernels.disk.constants import nearer_minus
 from kernels.disk.falling import (
@@ -111,7 +111,7 @@ def undecided(W: Vector) -> bool:
 
 
 @subroutine
-def look(row: int, hemisphere: float, o: Obstacle, disk: Disk, W: Vector) -> None:
+def look(row: int, hemisphere: float, o: Obstacle, disk: NaturalDisk, W: Vector) -> None:
     """Decide what lanes leave undecided, one at a time; hemisphere: 1 as of the state, -1 the other."""
     for i in range(LANES):
         if W[row + i] == UNDECIDED:
@@ -143,9 +143,9 @@ def encode(W: Vector) -> None:
 
 @kernel
 def membership_batch(
-    states: Matrix, given: bool, obstacle: Obstacle, disk: Disk, out: Matrix, codes: Codes
+    states: Matrix, given: bool, obstacle: Obstacle, disk: NaturalDisk, out: Matrix, codes: Codes
 ) -> None:
-    """states (5, n) as State -> their constants, out (6, n), rows as Constants, and codes (n).
+    """states (5, n) as State -> their constants, out (6, n), rows as MotionConstants, and codes (n).
 
     given: the constants are in `out` already, and are taken as they are.
     """

@@ -12,7 +12,7 @@ from typing import Generic, NamedTuple
 import numpy as np
 
 from kernels._jit import device, kernel, subroutine
-from kernels.disk.body import Body, Disk
+from kernels.disk.body import Body, NaturalDisk
 from kernels.disk.elementary import EPSILON, exponential, inverse_root
 from kernels.disk.falling import potential_above_flat, potential_at_flat
 from kernels.near_flat.closed_forms import (
@@ -279,7 +279,7 @@ def load(W: Vector, row: int, values: Vector, first: int, unit: float) -> None:
 
 
 @kernel
-def passage_batch(crossings: Crossings, tables: Tables, disk: Disk, out: Matrix) -> None:
+def passage_batch(crossings: Crossings, tables: Tables, disk: NaturalDisk, out: Matrix) -> None:
     """The passage on face +1 from the vertical of every motion -> out (8, n or more), as PassageRow.
 
     time_error is NaN where tables do not serve.
@@ -311,7 +311,7 @@ def passage_batch(crossings: Crossings, tables: Tables, disk: Disk, out: Matrix)
 
 
 @kernel
-def fall_batch(departures: Departures, tables: Tables, disk: Disk, out: Matrix) -> None:
+def fall_batch(departures: Departures, tables: Tables, disk: NaturalDisk, out: Matrix) -> None:
     """The fall on F from the vertical on face +1 of every sample -> out (4, n or more), as FallRow.
 
     error is NaN where tables do not serve.

@@ -16,7 +16,7 @@ from numba import types as nb
 
 from kernels._jit import device
 from kernels.disk import chaplygin
-from kernels.disk.body import Disk
+from kernels.disk.body import NaturalDisk
 from kernels.disk.polynomials import economise
 from kernels.types import Matrix, Vector
 
@@ -109,7 +109,7 @@ class Tables(NamedTuple):
     rules: Rules
 
 
-def make_tables(disk: Disk, orders: Orders, gauss: Sequence[Matrix]) -> Tables:
+def make_tables(disk: NaturalDisk, orders: Orders, gauss: Sequence[Matrix]) -> Tables:
     """Tables for passages of a disk; gauss: Gauss rules (2, n) on [-1, 1] of the three orders."""
     series, nearest = chaplygin.power_series(disk.body.c)[0], 0.5 * HANDOVER * HANDOVER
     outer, fall, inner = gauss
@@ -123,14 +123,14 @@ def make_tables(disk: Disk, orders: Orders, gauss: Sequence[Matrix]) -> Tables:
     return Tables(at_tilts(disk, np.array([0.5 * math.pi]), np.zeros(1)), _low(series, nearest), rules)
 
 
-def _from_vertical(disk: Disk, length: float, rule: Matrix) -> Matrix:
+def _from_vertical(disk: NaturalDisk, length: float, rule: Matrix) -> Matrix:
     """Nodes from the vertical on, over `length`; they lie close there, like u^2, where a slow start is slow."""
     u = 0.5 * (1.0 + rule[0])
     nodes = at_tilts(disk, 0.5 * math.pi - length * u * u, length * u * rule[1])
     return np.concatenate([nodes, last_coefficients(rule)])
 
 
-def at_tilts(disk: Disk, theta: Vector, weights: Vector) -> Matrix:
+def at_tilts(disk: NaturalDisk, theta: Vector, weights: Vector) -> Matrix:
     """The rows of Fixed at the given tilts; weights in theta."""
     body = disk.body
     h = 2.0 * np.sin(0.5 * theta)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from kernels._jit import Kernel, device, kernel, maker, subroutine
-from kernels.disk.body import Body, Disk
+from kernels.disk.body import Body, NaturalDisk
 from kernels.disk.field import ANGLES, PATH, REDUCED, State, column, energy, pace
 from kernels.status import Status
 from kernels.steps import lanes
@@ -150,7 +150,7 @@ def collect(work: Work, W: Vector, arrived: Vector, waiting: int) -> int:
 
 
 @subroutine
-def locate_all(attempt: Any, depth: int, work: Work, W: Vector, waiting: int, disk: Disk) -> None:
+def locate_all(attempt: Any, depth: int, work: Work, W: Vector, waiting: int, disk: NaturalDisk) -> None:
     """States at the values met within the last steps of lanes: first by a step about as far, then located.
 
     SINCE is then the length of the whole step.
@@ -189,7 +189,7 @@ def make_lanes() -> Vector:
 
 @device
 def follow(
-    attempt: Any, depth: int, work: Work, history: History, room: tuple[Vector, Vector], disk: Disk
+    attempt: Any, depth: int, work: Work, history: History, room: tuple[Vector, Vector], disk: NaturalDisk
 ) -> None:
     """Follow every motion to all of the values, by steps of `attempt`, which the history keeps.
 
@@ -231,7 +231,7 @@ def at_depth(method: int, depth: int) -> Any:
 def _kernel(method: int, depth: int, name: str) -> Kernel:
     attempt = at_depth(method, depth)
 
-    def run(work: Work, history: History, disk: Disk) -> None:
+    def run(work: Work, history: History, disk: NaturalDisk) -> None:
         """Follow every motion by one method at one depth."""
         follow(attempt, depth, work, history, (make_lanes(), make_lanes()), disk)
 

@@ -8,7 +8,7 @@ import math
 from typing import Any
 
 from kernels._jit import device, subroutine
-from kernels.disk.body import Body, Disk
+from kernels.disk.body import Body, NaturalDisk
 from kernels.disk.chaplygin import solutions
 from kernels.disk.constants import depth_below_vertical
 from kernels.disk.field import State, energy, reduced, with_reduced
@@ -101,7 +101,7 @@ def onto_circle(y: State, held: bool) -> State:
 
 
 @subroutine
-def hold(W: Vector, disk: Disk) -> None:
+def hold(W: Vector, disk: NaturalDisk) -> None:
     """Put every lane that is held back onto its constants, and where it is fastest onto its energy.
 
     That is once in each swing: what steps do to the energy on the way down is mostly undone on the way up, and p
@@ -136,7 +136,7 @@ def max_of(one: float, other: float) -> float:
 
 
 @device
-def rates(x: State, X: float, Y: float, inv_k: float, disk: Disk) -> tuple[float, float]:
+def rates(x: State, X: float, Y: float, inv_k: float, disk: NaturalDisk) -> tuple[float, float]:
     """(rho, sigma4) at the tilt of x, from the constants of its motion as seen from the nearer face.
 
     The saddle beside flat amplifies an error in rho by 1/theta_min. Set anew after every step, rho never carries
