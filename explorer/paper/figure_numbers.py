@@ -110,5 +110,5 @@ def numbers_of_figures() -> Iterator[Finding]:
         constants(phi_to_states(disk, 0.0, PHIDOT, SIGMA3, line_ratio(disk) + ETA_HAT)) for disk in BODIES.values()
     ]
     text, off = "η̂₊ of the second start in the text; as printed 0.01", {"captions of Figs. 8 and 9": ETA_HAT}
-    eta_hats = [given.eta_hat_plus[0] for given in starts]
+    eta_hats = [given.eta_hat_plus for given in starts]
     yield near(text, eta_hats, -ETA_HAT, 1e-12, "rounding", off)
