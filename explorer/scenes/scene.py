@@ -404,7 +404,7 @@ def file_of(kind: type[Scene]) -> str | None:
     """ "FILE.py:CLASS" of a user's scene that another process can load in that way; None where there is none."""
     module = sys.modules.get(kind.__module__)
     file = getattr(module, "__file__", None)
-    if kind.__module__.startswith("explorer.") or kind.__module__ == "__main__" or file is None:
+    if kind.__module__.startswith("explorer.") or file is None:
         return None
     return f"{Path(file).resolve()}:{kind.__qualname__}"
 

@@ -340,3 +340,15 @@ def test_a_scene_in_a_script_runs_in_processes_and_its_folder_can_be_checked(tmp
         assert said(capsys, "status", folder)[0] == 0
         script.unlink(missing_ok=True)
     assert log.read_text() == begun
+
+
+def test_the_folder_of_a_script_is_continued_from_the_script_if_it_is_trusted_and_unchanged(tmp_path, capsys):
+    script, folder = tmp_path / "coin_script.py", tmp_path / "run"
+    lines = "    import explorer as ex\n\n    ex.run(Coins, samples=100, chunk_size=64, progress=False, out="
+    script.write_text(f"{RIGHT}\n\nif __name__ == '__main__':\n{lines}{str(folder)!r})\n")
+    subprocess.run([sys.executable, script], check=True)
+    assert said(capsys, "resume", folder)[0] == 2
+    assert said(capsys, "resume", folder, "--trust")[0] == 0
+    assert said(capsys, "verify", folder)[:2] == (0, "intact\n")
+    script.write_text(f"{script.read_text()}# other\n")
+    assert str(script) in "".join(said(capsys, "verify", folder)[1:])
