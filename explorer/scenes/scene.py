@@ -303,9 +303,10 @@ def register(scene: K) -> K:
     Parameters
     ----------
     scene : type
-        A class derived from `explorer.scenes.scene.SampledScene`. Its docstring states the question. It must have
-        the methods `draw` and `observe`, and usually has `count` and `summarise`. If you register another class of
-        the same name later, it replaces this one.
+        A class derived from `explorer.scenes.SampledScene`, with the methods `draw` and `observe` and usually
+        `count` and `summarise`; or, if it draws nothing at random, from `explorer.scenes.Scene`, with `chunks`,
+        `length` and `chunk`. Its docstring states the question. If you register another class of the same name
+        later, it replaces this one.
 
     Returns
     -------
