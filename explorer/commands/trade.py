@@ -24,9 +24,10 @@ from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT
 
 _OUT = Path("results/trade")
 _ABOUT = """The passages are computed by `compare` at each accuracy. Times are on the clock, for one core, without
-compile time. Compare them only within this page. *Unresolved* is the share of passages whose side of the falling
-set F is unknown, *refused* the share without an answer for another reason, and *wrong_way* counts passages that
-came out on the other side of F. *on_front* is True if no other integrator is both as fast and as accurate."""
+compile time, the shortest of four rounds in which the methods take turns. Compare them only within this
+page. *Unresolved* is the share of passages whose side of the falling set F is unknown, *refused* the share
+without an answer for another reason, and *wrong_way* counts passages that came out on the other side of F.
+*on_front* is True if no other integrator is both as fast and as accurate."""
 
 
 class TradeOptions(Options):
