@@ -82,9 +82,8 @@ def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
 def trade(**options: Any) -> Trade:
     """Measure the error and the cost of every method on passages near the falling set.
 
-    Passages are compared with a quadrature that uses no precomputed tables. Motions in time are compared with far
-    finer steps. Costs are those of the calls `passages` and `simulate`, on one core, without compile time. For
-    your own states, use `compare`.
+    It is `compare` at several accuracies, beside a quadrature that uses no precomputed tables. Times are on the
+    clock, on one core, without compile time. For your own states, use `compare`.
 
     Parameters
     ----------

@@ -87,11 +87,11 @@ def follow(
     return found
 
 
-Estimate = Callable[[Integrated, Any], Array]
+Estimator = Callable[[Integrated, Any], Array]
 
 
 def follow_accurately(
-    given: InitialValues, event: compiled.events.Event, values: Array, estimate: Estimate, asked: float
+    given: InitialValues, event: compiled.events.Event, values: Array, estimate: Estimator, asked: float
 ) -> tuple[Integrated, Array, InitialValues]:
     """Follow motions, and those that may err by more than is asked once more by finer steps, until none does.
 

@@ -51,7 +51,7 @@ class Moving(NamedTuple):
     centre: NDArray[np.complex128]
 
 
-class Piece(NamedTuple):
+class RiseStretch(NamedTuple):
     """A part of a rise whose points are counted from one place: -1 <= u <= 0 before it, 0 <= u <= 1 behind it.
 
     crossed: whether it is on the other face. length: in x, inf to flat. power: of |u| in the distance, 2 where the
@@ -107,11 +107,11 @@ class Rise:
         ends = ends_of(disk, motions)
         outer, crosses = ends.outer, bool(ends.crosses[0])
 
-        def stretch(place: Place, crossed: bool, before: bool, length: float) -> Piece:
+        def stretch(place: Place, crossed: bool, before: bool, length: float) -> RiseStretch:
             turns = bool(place.K[0] == 0.0)
             if not place.error[0] < _KNOWN * (place.slow[0] if turns else place.K[0]):
                 raise InputError(_ENDLESS)
-            return Piece(from_place(X, Y[crossed], place), crossed, before, length, 2 if turns else 1)
+            return RiseStretch(from_place(X, Y[crossed], place), crossed, before, length, 2 if turns else 1)
 
         # On F it is slowest on the near face where that ends, so that K is taken from there.
         near, there = (beyond(outer), outer) if crossed else (outer, beyond(outer))
@@ -126,7 +126,7 @@ class Rise:
             if crossed:
                 given, distance = (arcs[1], outer.d[0]) if outer.d[0] < half else (arcs[2], ends.inner.d[0])
         self._disk, self._reached = disk, np.zeros(4, np.complex128)  # time, chi, psi and the centre
-        self._pieces = list[tuple[Piece, list[Chebyshev]]]()  # with series of these in u
+        self._pieces = list[tuple[RiseStretch, list[Chebyshev]]]()  # with series of these in u
         self.impact_speed = float(arcs[0].points(disk, np.array([-1.0]))[2][0])
         for arc in arcs:
             low = -1.0 if arc.before else 0.0
@@ -139,7 +139,7 @@ class Rise:
         self.half, self.chi_half, self.psi_half = self._reached[:3].real.tolist()
         self.centre_half = complex(self._reached[3])
 
-    def _lay(self, stretch: Piece, low: float, high: float) -> None:
+    def _lay(self, stretch: RiseStretch, low: float, high: float) -> None:
         """Add the pieces of a part of a stretch, halved until their series have all digits."""
         left = [(low, high)] if low < high else []
         while left:
@@ -159,7 +159,7 @@ class Rise:
                 left += [(middle, high), (low, middle)]
 
     @np.errstate(divide="ignore", invalid="ignore")  # where it does not move, which is refused
-    def _series(self, stretch: Piece, low: float, high: float) -> tuple[NDArray[np.complex128], Array]:
+    def _series(self, stretch: RiseStretch, low: float, high: float) -> tuple[NDArray[np.complex128], Array]:
         """Time, chi, psi and centre over a piece, from 0 at its low end: coefficients (4, _NODES + 1).
 
         And what rounding of K may change (4).
