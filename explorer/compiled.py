@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     from kernels import status as status
     from kernels import types as types
     from kernels._jit import Kernel
+    from kernels.arcs import motions as motions
     from kernels.arcs import nutation as nutation
+    from kernels.arcs import pieces as pieces
     from kernels.arcs import potential as potential
     from kernels.arcs import rules as rules
     from kernels.arcs import turning_points as turning_points
