@@ -78,6 +78,7 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
         return _either(turned, one, other) if isinstance(one, tuple) else np.where(turned, one, other)
 
     place, left, up, above = either(left, place), either(place, left), either(there, here), either(here, there)
+    falls_back, falls_ahead = on_f, pendulum
     lower, upper, vertical, mirrored = either(upper, lower), either(lower, upper), either(mirrored, vertical), either(vertical, mirrored)
     Y, far_Y, own = either(far_Y, Y), either(Y, far_Y), np.where(turned, -own, own)
     way = np.fmax(np.where(crosses, up + above, place + left), _LEAST_WAY)
@@ -88,14 +89,19 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
     of_upper = np.where(crosses, above, np.log(np.fmin(upper.r, 1.0)))
     deep = compiled.pieces.DEEP
     to_middle, from_middle = np.where(slow.there, slow.middle, way), np.where(slow.there, slow.after, way)
-    far_below, far_above = to_middle > 3.0 * deep, slow.there & (from_middle > 3.0 * deep)
-    first = np.where(far_below, np.where(lower.r == 0.0, 0.0, deep), 0.5 * to_middle)
-    last = np.where(far_above, np.where(upper.r == 0.0, 0.0, deep), 0.5 * from_middle)
-    last = np.where(far_below & ~slow.there, deep + of_upper, last)
-    down = np.where(slow.there, np.where(far_below, deep + of_middle, 0.5 * slow.middle), 0.0)
-    ahead = np.where(slow.there, np.where(far_above, deep - of_middle, 0.5 * slow.after), 0.0)
+    ends = np.where(slow.there, of_middle, of_upper)  # of the lowest part of the way
+    far_below = to_middle - np.fmax(ends, 0.0) > 3.0 * deep
+    far_above = slow.there & (from_middle - np.fmax(-of_middle, 0.0) > 3.0 * deep)
+    # As far below the vertical, or below the anchor if that is lower, nothing is left to do but to coast.
+    down, ahead = np.where(far_below, deep + np.fmax(ends, 0.0), 0.5 * to_middle), deep + np.fmax(-of_middle, 0.0)
+    first = np.where(far_below, np.where(falls_back, 0.0, deep), 0.5 * to_middle)
+    last = np.where(far_above, np.where(falls_ahead, 0.0, deep), 0.5 * from_middle)
+    last, down = np.where(slow.there, last, down), np.where(slow.there, down, 0.0)
+    ahead = np.where(slow.there, np.where(far_above, ahead, 0.5 * from_middle), 0.0)
     coast_below = np.where(far_below, np.fmin(to_middle - first - np.where(slow.there, down, last), 1e3), 0.0)
     coast_above = np.where(far_above, np.fmin(from_middle - ahead - last, 1e3), 0.0)
+    lower = lower._replace(r=np.where(falls_back, np.exp(ends - np.where(slow.there, down, last)), lower.r))
+    upper = upper._replace(r=np.where(falls_ahead, np.exp(-of_middle - ahead), upper.r))
     apart = np.where((way < _NARROW) & ~slow.there & ~(e.slowest < np.inf), way, 0.0)
 
     anchors = np.stack([
@@ -112,15 +118,19 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
     never, none = np.full(n, np.inf), np.zeros(n)
     stretches = np.stack([
         np.stack([at_lower, at_mirrored, np.where(crosses, up, never), first, coast_below, apart]),
-        np.stack([at_slow, at_vertical, np.where(slow.other, slow.middle - up, never), down, none, none]),
-        np.stack([at_slow, at_mirrored, np.where(crosses & ~slow.other, up - slow.middle, never), ahead, none, none]),
+        np.stack([at_slow, at_vertical, np.where(slow.other, of_middle, never), down, none, none]),
+        np.stack([at_slow, at_mirrored, np.where(crosses & ~slow.other, -of_middle, never), ahead, none, none]),
         np.stack([at_upper, at_vertical, np.where(crosses, above, never), last, coast_above, apart]),
     ])  # fmt: skip
     off = np.where(np.isfinite(place), place - slow.middle, slow.after - left)
+    tangent = rows.q / (1.0 + abs(rows.z))
+    off = np.where(pendulum, np.where(turned, -1.0, 1.0) * np.log(tangent) - of_middle, off)
     where = [place <= first, left <= last, slow.there & (off >= 0.0) & (off <= ahead), slow.there & (off < 0.0) & (-off <= down)]
-    distance = np.select(where, [place, left, off, -off], rows.q / (1.0 + abs(rows.z)))
+    distance = np.select(where, [place, left, off, -off], tangent)
     coasts = ~np.any(where, axis=0)
     number = np.select(where, [0, 3, 2, 1], np.where(slow.there & (off > 0.0), 3, 0))
+        # A pendulum's side is that of eta on face +1; on the other one eta has the other sign.
+    jump = np.where(pendulum, own * jump, jump)
     given = [number, distance, coasts, own * rows.p >= 0.0, own, jump, pendulum, *_unsure(disk, rows)]
     flattened = (np.moveaxis(each, -2, -1).ravel() for each in (anchors, np.moveaxis(stretches, 2, 0).swapaxes(1, 2), np.stack(given)))
     return compiled.motions.Rises(*map(np.ascontiguousarray, flattened))

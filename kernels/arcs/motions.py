@@ -362,9 +362,9 @@ def lay_rise(W: Vector, rises: Rises, g: int, j: int, pool: Pool, E: Vector, pat
 
 @maker
 def make_pool() -> Pool:
-    """Room for the pieces of N motions."""
+    """Room for the pieces of N motions; memory that nothing is written to is not taken."""
     most = N * MOST
-    return Pool(np.zeros(most * WIDE), np.zeros(most, np.int64), np.zeros(most), np.zeros(N + 1, np.int64))
+    return Pool(np.empty(most * WIDE), np.empty(most, np.int64), np.empty(most), np.zeros(N + 1, np.int64))
 
 
 @kernel

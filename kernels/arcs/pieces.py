@@ -37,7 +37,7 @@ from kernels.types import Vector
 N = LANES  # nodes and coefficients of a piece
 STRETCHES = 4  # of a rise at most: from the lower turning point, from a slow place both ways, from the upper one
 DEEP = 37.5  # in x: so far from the wall and from the vertical only tan(theta/2) changes, by rounding
-MOST = 128  # pieces of a rise; of a hundred thousand motions none had more than 40
+MOST = 2048  # pieces of a rise: most have 2 to 40, and a path one more for every eight radians of chi
 _LEFT_OUT = 1e-13  # by a series, relative to its own size or to a radian
 _FIRST, _LONGEST, _GROWTH = 1.7, 5.0, 1.2  # lengths in x: of the scale of a turning point; at most; of the distance
 _BARELY = 1.3  # of a step: a last piece as long is not cut
@@ -51,7 +51,10 @@ TIME, CHI, PSI, ACROSS, ALONG, SPEED, RATIO, SIGMA4 = range(0, SERIES * N, N)
 
 
 class Anchor(NamedTuple):
-    """A place of a rise from which distances are counted, as in `turning_points.Place`; face: +1 on the lower one's."""
+    """A place of a rise from which distances are counted, as in `turning_points.Place`; face: +1 on the lower one's.
+
+    Of flat, r is tan(theta/2) up to which a motion on F only coasts.
+    """
 
     X: float
     Y: float
@@ -374,7 +377,7 @@ def keep_coast(W: Vector, view: View, number: int, P: Vector, at: int, b: Body) 
     near, flat = view.near, view.stretch.length == 0.0
     K, sigma4 = near.K if flat else W[_K], near.face * near.sigma4 if flat else W[_SIGMA4]
     first = 0.0 if flat else near.r * math.exp(view.stretch.length)
-    last, rate = math.exp(-DEEP) if flat else first * math.exp(view.stretch.coast), math.sqrt(2.0 * b.inv_M * K)
+    last, rate = near.r if flat else first * math.exp(view.stretch.coast), math.sqrt(2.0 * b.inv_M * K)
     span = 2.0 * (last - first) / rate
     put_piece(P, at + LOW, 0, Piece(COAST, number, view.sign, near.face, last, first, rate, span, 0.0, 0.0, 0.0))
     P[at + HEAD : at + WIDE] = 0.0
