@@ -21,6 +21,7 @@ from kernels.arcs.pieces import (
     CHI,
     COAST,
     HEAD,
+    LEFT_OUT,
     LOW,
     MOST,
     PSI,
@@ -30,6 +31,7 @@ from kernels.arcs.pieces import (
     SPEED,
     STRETCH,
     STRETCHES,
+    TAILS,
     TIME,
     TURN,
     WIDE,
@@ -38,6 +40,7 @@ from kernels.arcs.pieces import (
     N,
     Piece,
     lay,
+    low_of,
     piece_of,
     prepare,
     put_low,
@@ -132,10 +135,9 @@ errors_of, put_errors, ERRORS = reader(Errors, 1), writer(Errors, 1), len(Errors
 origin_of, put_origin, ORIGIN = reader(Origin, 1), writer(Origin, 1), len(Origin._fields)
 seen_of, put_seen = reader(Seen, N), writer(Seen, N)
 _low_of, _piece_of = reader(Low, N), reader(Piece, N)
-# Rows of lanes: which piece, the time on the rise, whole periods, -1 on the fall; Newton's method; what is found; the
-# piece itself.
-_NUMBER, _TIME, _COUNT, _SIDE, _WANT, _U, _BELOW, _ABOVE, _LEFT = range(0, 9 * N, N)
-_SEEN = 9 * N
+# Rows of lanes: which piece, the time on the rise, -1 on the fall; Newton's method; what is found; the piece itself.
+_NUMBER, _TIME, _SIDE, _WANT, _U, _BELOW, _ABOVE, _LEFT = range(0, 8 * N, N)
+_SEEN = 8 * N
 _HERE = _SEEN + len(Seen._fields) * N
 _SERIES = _HERE + HEAD * N
 _ROWS = _HERE + WIDE * N
@@ -202,13 +204,13 @@ def assemble(pool: Pool, low: int, high: int, given: Given, errors: Errors) -> R
 
 
 @subroutine
-def locate(L: Vector, i: int, pool: Pool, j: int, half: float, tau: float, count: float) -> None:
-    """Into lane i: the time tau, of either sign, since the lower turning point of motion j after `count` periods."""
+def locate(L: Vector, i: int, pool: Pool, j: int, half: float, tau: float) -> None:
+    """Into lane i: the time tau, of either sign, since the nearest lower turning point of motion j."""
     low, high, t = pool.first[j], pool.first[j + 1], min(abs(tau), half)
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (middle, high) if pool.times[middle] <= t else (low, middle)
-    L[_TIME + i], L[_COUNT + i], L[_SIDE + i] = t, count, 1.0 if tau >= 0.0 else -1.0
+    L[_TIME + i], L[_SIDE + i] = t, 1.0 if tau >= 0.0 else -1.0
     number = pool.order[low]
     if L[_NUMBER + i] != number:
         L[_NUMBER + i] = number
@@ -311,11 +313,31 @@ def origin(at: Seen, back: float) -> Origin:
     )
 
 
+class When(NamedTuple):
+    """A time after the start, and the lower turning point nearest to it; since: the time after the one since which
+    it was counted, and `passed` how many periods there are between, or NaN."""
+
+    time: float
+    count: float
+    since: float
+    passed: float
+
+
+@device
+def when(t: float, low: float, rise: RiseRow[float]) -> When:
+    """A time that counts since the start, or since a lower turning point."""
+    counted = low == low
+    whole = math.floor(0.5 * (t + (0.0 if counted else rise.since)) / rise.time + 0.5)
+    time = (t - rise.since) + 2.0 * rise.time * low if counted else t
+    return When(time, whole + (low if counted else 0.0), t, whole if counted else math.nan)
+
+
 @subroutine
 def put_motion(
-    out: Vector, at: Seen, count: float, time: float, start: Origin, rise: RiseRow[float], errors: Errors, given: Given
+    out: Vector, at: Seen, when: When, start: Origin, rise: RiseRow[float], errors: Errors, given: Given
 ) -> None:
     """A point as its motion has it, so many periods after the start: each turns the picture and moves it along."""
+    count = when.count
     x, y, own = rise.a1, rise.a2, given.face
     sn, cn, gx, gy, wide = 0.0, 1.0, -start.a1, -start.a2, 0.0
     if count != 0.0:
@@ -331,14 +353,18 @@ def put_motion(
     gx, gy = gx + cn * at.a1 - sn * at.a2, gy + sn * at.a1 + cn * at.a2
     chi, psi = at.chi - start.chi + 2.0 * rise.chi * count, at.psi - start.psi + 2.0 * rise.psi * count
     out[0], out[1], out[2], out[3], out[4] = at.q, own * at.z, own * at.p, at.ratio, own * at.sigma4
-    out[5], out[6], out[7] = time, chi, own * psi
+    out[5], out[6], out[7] = when.time, chi, own * psi
     out[8] = own * (start.cosine * gx + start.sine * gy)
     out[9] = own * (start.cosine * gy - start.sine * gx)
     # Errors of whole rises, and of the place of the state, add up; within a piece there is that of its series.
     rises = 2.0 * abs(count) + 2.0
-    lag = rises * errors.time + errors.time_within + EPSILON * (abs(time) + abs(rise.since)) + given.late
+    lag = rises * errors.time + errors.time_within + EPSILON * (abs(when.time) + abs(rise.since)) + given.late
+    if when.passed == when.passed:  # beside a lower turning point series know the time relative to itself
+        near = when.passed == 0.0
+        lag = (TAILS * LEFT_OUT + EPSILON) * abs(when.since)
+        lag += 0.0 if near else 2.0 * abs(when.passed) * errors.time + errors.time_within
     angle = rises * errors.angle + errors.angle_within + 4.0 * EPSILON * (abs(chi) + abs(psi) + 1.0)
-    out[10], out[11] = lag, angle + lag * max(1.0, abs(at.ratio / at.q))
+    out[10], out[11] = lag, angle + lag
     moved = rises * (errors.path + errors.way * errors.angle_within) + errors.path_within
     out[12] = (abs(at.sigma4) + abs(at.p)) * lag + moved + (wide + abs(gx) + abs(gy)) * angle
 
@@ -360,6 +386,12 @@ def lay_rise(W: Vector, rises: Rises, g: int, j: int, pool: Pool, E: Vector, pat
     return assemble(pool, before, pool.first[j + 1], given, errors)
 
 
+@device
+def entry(table: Matrix, row: int, column: int) -> float:
+    """An entry of a table whose rows, or columns, may all be one."""
+    return table[min(row, table.shape[0] - 1), min(column, table.shape[1] - 1)]
+
+
 @maker
 def make_pool() -> Pool:
     """Room for the pieces of N motions; memory that nothing is written to is not taken."""
@@ -373,7 +405,7 @@ def motion_batch(
 ) -> None:
     """Motions at times -> found (9, n), rows as RiseRow; out (n, nt, OUT). NaN of motions without pieces.
 
-    times, lows: (n or 1, nt); lows: the number of the lower turning point since which a time counts, 0 the one
+    times, lows: (n or 1, nt or 1); lows: the number of the lower turning point since which a time counts, 0 the one
     nearest to the state, or NaN: it counts since the state.
     """
     W, L, pool, n, m = np.zeros(ROOM), np.zeros(_ROWS), make_pool(), out.shape[0], out.shape[1]
@@ -387,7 +419,7 @@ def motion_batch(
             put_rise(R, j * RISE, 0, rise)
             put(rise, found, block + j)
             if pool.first[j + 1] > pool.first[j]:
-                locate(L, j, pool, j, rise.time, rise.since, 0.0)
+                locate(L, j, pool, j, rise.time, rise.since)
         read(L)
         for j in range(count):
             put_origin(S, j * ORIGIN, 0, origin(seen_of(L, _SEEN, j), 2.0 * rise_of(R, j * RISE, 0).chi))
@@ -396,10 +428,10 @@ def motion_batch(
                 j, k = (pair + i) // m, (pair + i) % m
                 if pool.first[j + 1] > pool.first[j]:
                     rise = rise_of(R, j * RISE, 0)
-                    t, low = times[min(block + j, times.shape[0] - 1), k], lows[min(block + j, lows.shape[0] - 1), k]
-                    since, before = (rise.since, 0.0) if math.isnan(low) else (0.0, low)
-                    whole = math.floor(0.5 * (t + since) / rise.time + 0.5)
-                    locate(L, i, pool, j, rise.time, (t - 2.0 * rise.time * whole) + since, whole + before)
+                    t, low = entry(times, block + j, k), entry(lows, block + j, k)
+                    at, since = when(t, low, rise), rise.since if math.isnan(low) else 0.0
+                    whole = at.count if math.isnan(low) else at.passed
+                    locate(L, i, pool, j, rise.time, (t - 2.0 * rise.time * whole) + since)
             read(L)
             for i in range(min(N, count * m - pair)):
                 j, k = (pair + i) // m, (pair + i) % m
@@ -408,6 +440,29 @@ def motion_batch(
                 if pool.first[j + 1] > pool.first[j]:
                     rise, errors = rise_of(R, j * RISE, 0), errors_of(E, j * ERRORS, 0)
                     given, start = given_of(rises.given, (block + j) * GIVEN, 0), origin_of(S, j * ORIGIN, 0)
-                    t, low = times[min(block + j, times.shape[0] - 1), k], lows[min(block + j, lows.shape[0] - 1), k]
-                    time = t if math.isnan(low) else (t - rise.since) + 2.0 * rise.time * low
-                    put_motion(row, seen_of(L, _SEEN, i), L[_COUNT + i], time, start, rise, errors, given)
+                    t, low = entry(times, block + j, k), entry(lows, block + j, k)
+                    put_motion(row, seen_of(L, _SEEN, i), when(t, low, rise), start, rise, errors, given)
+
+
+@kernel
+def course_batch(rises: Rises, disk: ArcDisk, first: Longs, out: Matrix) -> None:
+    """Times and chi at N + 1 points of each piece, from the lower turning point on, dense where a motion is fast.
+
+    out (2, room for n * MOST * (N + 1)): rows time and chi; first (n + 1): where each rise begins.
+    """
+    W, pool, E, n = np.zeros(ROOM), make_pool(), np.zeros(ERRORS), 0
+    prepare(W)
+    for g in range(first.size - 1):
+        lay_rise(W, rises, g, 0, pool, E, False, disk)
+        for place in range(pool.first[1]):
+            at = pool.order[place] * WIDE
+            low, piece = low_of(pool.pieces, at, 0), piece_of(pool.pieces, at + LOW, 0)
+            odd = piece.kind == TURN
+            for k in range(N + 1):
+                u = k / N if piece.sign > 0.0 else 1.0 - k / N
+                v = u * u if odd else u
+                time = piece.span * u if piece.kind == COAST else clenshaw(pool.pieces, at + HEAD + TIME, v, odd)
+                out[0, n] = low.time + piece.sign * time
+                out[1, n] = low.chi + piece.sign * clenshaw(pool.pieces, at + HEAD + CHI, v, odd)
+                n += 1
+        first[g + 1] = n

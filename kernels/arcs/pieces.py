@@ -38,11 +38,11 @@ N = LANES  # nodes and coefficients of a piece
 STRETCHES = 4  # of a rise at most: from the lower turning point, from a slow place both ways, from the upper one
 DEEP = 37.5  # in x: so far from the wall and from the vertical only tan(theta/2) changes, by rounding
 MOST = 2048  # pieces of a rise: most have 2 to 40, and a path one more for every eight radians of chi
-_LEFT_OUT = 1e-13  # by a series, relative to its own size or to a radian
+LEFT_OUT = 1e-13  # by a series, relative to its own size or to a radian
 _FIRST, _LONGEST, _GROWTH = 1.7, 5.0, 1.2  # lengths in x: of the scale of a turning point; at most; of the distance
 _BARELY = 1.3  # of a step: a last piece as long is not cut
 _SHORTEST = 1e-9  # of the scale at an anchor
-_TAILS = 3.0  # what a series leaves out is within so many times what its last coefficients say
+TAILS = 3.0  # what a series leaves out is within so many times what its last coefficients say
 _ROUNDING = 2.0 * EPSILON  # of what a speed is found from, for each unit of what K is a sum of
 # Kinds of pieces
 PLAIN, TURN, COAST = 0.0, 1.0, 2.0
@@ -322,15 +322,15 @@ def integrate(W: Vector, turns: bool, length: float, sign: float, path: bool, b:
 @device
 def small(W: Vector, series: int) -> bool:
     """Whether a series leaves out as little as it should."""
-    return tail(W, series) <= _LEFT_OUT * (1.0 + abs(W[_C + series]))
+    return tail(W, series) <= LEFT_OUT * (1.0 + abs(W[_C + series]))
 
 
 @subroutine
 def converged(W: Vector, time: float, path: bool) -> bool:
     """Whether the series of a piece leave out as little as they should; time: of the stretch so far."""
-    found = tail(W, TIME) <= _LEFT_OUT * (time + total(W, _C + TIME))
+    found = tail(W, TIME) <= LEFT_OUT * (time + total(W, _C + TIME))
     found &= small(W, CHI) & small(W, PSI) & small(W, SPEED) & small(W, RATIO) & small(W, SIGMA4)
-    return found & ((not path) or (tail(W, ACROSS) <= _LEFT_OUT) & (tail(W, ALONG) <= _LEFT_OUT))
+    return found & ((not path) or (tail(W, ACROSS) <= LEFT_OUT) & (tail(W, ALONG) <= LEFT_OUT))
 
 
 @subroutine
@@ -349,12 +349,12 @@ def with_piece(W: Vector, view: View, turns: bool, path: bool, before: Errors) -
     weight, time, angle = 2.0 / N if turns else 1.0 / N, tail(W, TIME), tail(W, CHI) + tail(W, PSI)
     moved = max(tail(W, ACROSS), tail(W, ALONG)) if path else 0.0
     return Errors(
-        before.time + _TAILS * time + weight * total(W, _F3),
-        before.angle + _TAILS * angle + weight * total(W, _F1),
-        before.path + _TAILS * moved + weight * total(W, _F5),
-        max(before.time_within, _TAILS * time),
-        max(before.angle_within, _TAILS * angle),
-        max(before.path_within, _TAILS * moved),
+        before.time + TAILS * time + weight * total(W, _F3),
+        before.angle + TAILS * angle + weight * total(W, _F1),
+        before.path + TAILS * moved + weight * total(W, _F5),
+        max(before.time_within, TAILS * time),
+        max(before.angle_within, TAILS * angle),
+        max(before.path_within, TAILS * moved),
         before.way + weight * total(W, _F4),
     )
 
