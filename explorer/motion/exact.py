@@ -30,13 +30,13 @@ _AT_ONCE, _CURVES_AT_ONCE = 1 << 16, 256  # states, and curves, of which a kerne
 
 class Outcome(NamedTuple):
     """What became of motions: status (n), attempted steps (n), errors of the constants (3, n), estimates of others
-    (n); and of exact ones what a rise comes to, with the errors of that (n each)."""
+    (n); of exact ones a period and the errors of that (9, n), rows as `motions.PeriodRow`."""
 
     status: NDArray[np.int8]
     steps: NDArray[np.int32]
     constants_error: Array
     error_estimate: Array
-    rise: "compiled.motions.RiseRow[Array] | None" = None
+    period: Array | None = None
 
 
 class Exact(NamedTuple):
@@ -80,19 +80,19 @@ class Exact(NamedTuple):
         where NaN.
         """
         n, m, code = self.status.size, times.shape[1], compiled.status.Status
-        rise, out = np.empty((len(compiled.motions.RiseRow._fields), n)), np.empty((n, m, compiled.motions.OUT))
+        period, out = np.empty((len(compiled.motions.PeriodRow._fields), n)), np.empty((n, m, compiled.motions.OUT))
         lows = np.full((1, 1), np.nan) if lows is None else lows
         rises = rises_of(self.disk, self.rows, self.starts, self.own, self.jump)
         given = map(np.ascontiguousarray, (times, lows))
-        compiled.motions.motion_batch(rises, *given, self.path, self.disk.arc_disk, rise, out)
+        compiled.motions.motion_batch(rises, *given, self.path, self.disk.arc_disk, period, out)
         states, (lag, angle, path) = np.moveaxis(out[..., :10], -1, 0), np.moveaxis(out[..., 10:], -1, 0)
         states[compiled.field.ROW.chi] += self.chi0[:, None]
         sine, cosine = np.sin(self.chi0)[:, None], np.cos(self.chi0)[:, None]
-        a1, a2 = states[8:]
-        states[8:] = cosine * a1 - sine * a2, sine * a1 + cosine * a2
+        for a1, a2 in (states[8:], period[3:5, :, None]):
+            a1[:], a2[:] = cosine * a1 - sine * a2, sine * a1 + cosine * a2
         error = np.fmax(angle, path if self.path else 0.0)
         allowed = np.fmin(self.accuracy * np.fmax(1.0, abs(states[compiled.field.ROW.t]) / PASSAGE), LOOSEST)
-        known, found = (error <= allowed).all(axis=1), ~np.isnan(rise[0])
+        known, found = (error <= allowed).all(axis=1), ~np.isnan(period[0])
         status = np.where(known & found, code.OK, np.where(found, code.TOO_FEW_DIGITS, code.STEP_LIMIT))
         status = np.where(self.status == code.OK, status, self.status).astype(np.int8)
         # Inside a race an error of the time is a larger one of chi, and at most all of that race.
@@ -102,7 +102,12 @@ class Exact(NamedTuple):
         lost = status != code.OK
         out[lost], error[self.status != code.OK] = np.nan, np.nan
         kept = np.where(lost, np.nan, np.zeros((3, n)))
-        return states, Outcome(status, np.zeros(n, np.int32), kept, error, compiled.motions.RiseRow(*rise))
+        return states, Outcome(status, np.zeros(n, np.int32), kept, error, period)
+
+    def lowest(self) -> Array:
+        """The numbers (n) of the first lower turning points at or after the starts, as `seen` counts them."""
+        period = self.seen(np.zeros((1, 1)))[1].period
+        return np.where(compiled.motions.PeriodRow(*period).since > 0.0, 1.0, 0.0)
 
     def curve(self, end: float) -> tuple[Array, Array, NDArray[np.int64]]:
         """Times (n, nt) from the start to an end, dense enough for curves, since which lower turning points they
@@ -111,9 +116,9 @@ class Exact(NamedTuple):
         By symmetry the points of one rise serve all rises and falls.
         """
         _, outcome = self.seen(np.zeros((1, 1)))
-        assert outcome.rise is not None
         alike = [points for rows in range(0, self.status.size, _CURVES_AT_ONCE) for points in self.at(slice(rows, rows + _CURVES_AT_ONCE))._points()]
-        half, since = outcome.rise.time, outcome.rise.since
+        period = compiled.motions.PeriodRow(*outcome.period)
+        half, since = 0.5 * period.time, period.since
         good = outcome.status == compiled.status.Status.OK
         points = np.array([each.size for each in alike], float)
         with np.errstate(invalid="ignore"):

@@ -81,11 +81,26 @@ class Rises(NamedTuple):
     given: Vector
 
 
-class RiseRow(NamedTuple, Generic[Entry]):
+class Rise(NamedTuple):
     """What a rise comes to, from the lower turning point to the upper one, natural units.
 
     time, chi, psi, a1, a2: from one to the other, with half of a jump at flat. since: the time of the state after
-    the lower turning point, negative where it falls. time_error, angle_error, path_error: of these.
+    the lower turning point, negative where it falls.
+    """
+
+    time: float
+    chi: float
+    psi: float
+    a1: float
+    a2: float
+    since: float
+
+
+class PeriodRow(NamedTuple, Generic[Entry]):
+    """What a period of a motion comes to from its start, natural units.
+
+    time; chi, psi; a1, a2: the shift of the centre. since: the time of the start after the lower turning point
+    nearest to it. time_error, angle_error, path_error: of these.
     """
 
     time: Entry
@@ -130,7 +145,7 @@ class Origin(NamedTuple):
 
 
 given_of, GIVEN = reader(Given, 1), len(Given._fields)
-rise_of, put_rise, RISE = reader(RiseRow, 1), writer(RiseRow, 1), len(RiseRow._fields)
+rise_of, put_rise, RISE = reader(Rise, 1), writer(Rise, 1), len(Rise._fields)
 errors_of, put_errors, ERRORS = reader(Errors, 1), writer(Errors, 1), len(Errors._fields)
 origin_of, put_origin, ORIGIN = reader(Origin, 1), writer(Origin, 1), len(Origin._fields)
 seen_of, put_seen = reader(Seen, N), writer(Seen, N)
@@ -180,7 +195,7 @@ def time_of(given: Given, piece: Piece, P: Vector, at: int) -> float:
 
 
 @subroutine
-def assemble(pool: Pool, low: int, high: int, given: Given, errors: Errors) -> RiseRow[float]:
+def assemble(pool: Pool, low: int, high: int, given: Given) -> Rise:
     """Where every piece of a rise begins, and what the rise comes to."""
     P, half_jump = pool.pieces, 0.5 * given.jump
     t, chi, psi, x, y, since = 0.0, half_jump, half_jump, 0.0, 0.0, math.nan
@@ -200,7 +215,7 @@ def assemble(pool: Pool, low: int, high: int, given: Given, errors: Errors) -> R
     if given.upright == 1.0:
         chi, psi = chi - half_jump, psi + half_jump
     since *= 1.0 if given.rises == 1.0 else -1.0
-    return RiseRow(t, chi, psi, x, y, since, errors.time, errors.angle, errors.path)
+    return Rise(t, chi, psi, x, y, since)
 
 
 @subroutine
@@ -324,7 +339,7 @@ class When(NamedTuple):
 
 
 @device
-def when(t: float, low: float, rise: RiseRow[float]) -> When:
+def when(t: float, low: float, rise: Rise) -> When:
     """A time that counts since the start, or since a lower turning point."""
     counted = low == low
     whole = math.floor(0.5 * (t + (0.0 if counted else rise.since)) / rise.time + 0.5)
@@ -334,7 +349,7 @@ def when(t: float, low: float, rise: RiseRow[float]) -> When:
 
 @subroutine
 def put_motion(
-    out: Vector, at: Seen, when: When, start: Origin, rise: RiseRow[float], errors: Errors, given: Given
+    out: Vector, at: Seen, when: When, start: Origin, rise: Rise, errors: Errors, given: Given
 ) -> None:
     """A point as its motion has it, so many periods after the start: each turns the picture and moves it along."""
     count = when.count
@@ -370,7 +385,7 @@ def put_motion(
 
 
 @subroutine
-def lay_rise(W: Vector, rises: Rises, g: int, j: int, pool: Pool, E: Vector, path: bool, disk: ArcDisk) -> RiseRow[float]:
+def lay_rise(W: Vector, rises: Rises, g: int, j: int, pool: Pool, E: Vector, path: bool, disk: ArcDisk) -> Rise:
     """The pieces of rise g into the pool as those of motion j, behind those of the ones before."""
     given, before, errors = given_of(rises.given, g * GIVEN, 0), pool.first[j], Errors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     n = before
@@ -383,7 +398,7 @@ def lay_rise(W: Vector, rises: Rises, g: int, j: int, pool: Pool, E: Vector, pat
                 pool.order[k] = k if number % 2 == 0 else n - 1 - (k - start)  # laid from its end
     pool.first[j + 1] = max(n, before)
     put_errors(E, j * ERRORS, 0, errors)
-    return assemble(pool, before, pool.first[j + 1], given, errors)
+    return assemble(pool, before, pool.first[j + 1], given)
 
 
 @device
@@ -403,13 +418,14 @@ def make_pool() -> Pool:
 def motion_batch(
     rises: Rises, times: Matrix, lows: Matrix, path: bool, disk: ArcDisk, found: Matrix, out: Table
 ) -> None:
-    """Motions at times -> found (9, n), rows as RiseRow; out (n, nt, OUT). NaN of motions without pieces.
+    """Motions at times -> found (9, n), rows as PeriodRow; out (n, nt, OUT). NaN of motions without pieces.
 
     times, lows: (n or 1, nt or 1); lows: the number of the lower turning point since which a time counts, 0 the one
     nearest to the state, or NaN: it counts since the state.
     """
     W, L, pool, n, m = np.zeros(ROOM), np.zeros(_ROWS), make_pool(), out.shape[0], out.shape[1]
     R, E, S = np.zeros(N * RISE), np.zeros(N * ERRORS), np.zeros(N * ORIGIN)
+    one = np.zeros(OUT)
     prepare(W)
     for block in range(0, n, N):
         count = min(N, n - block)
@@ -417,12 +433,19 @@ def motion_batch(
         for j in range(count):
             rise = lay_rise(W, rises, block + j, j, pool, E, path, disk)
             put_rise(R, j * RISE, 0, rise)
-            put(rise, found, block + j)
             if pool.first[j + 1] > pool.first[j]:
                 locate(L, j, pool, j, rise.time, rise.since)
         read(L)
         for j in range(count):
-            put_origin(S, j * ORIGIN, 0, origin(seen_of(L, _SEEN, j), 2.0 * rise_of(R, j * RISE, 0).chi))
+            rise, errors, start = rise_of(R, j * RISE, 0), errors_of(E, j * ERRORS, 0), seen_of(L, _SEEN, j)
+            place, given = origin(start, 2.0 * rise.chi), given_of(rises.given, (block + j) * GIVEN, 0)
+            put_origin(S, j * ORIGIN, 0, place)
+            put_motion(one, start, When(2.0 * rise.time, 1.0, 0.0, math.nan), place, rise, errors, given)
+            none = pool.first[j + 1] == pool.first[j]
+            period = PeriodRow(
+                math.nan if none else one[5], one[6], one[7], one[8], one[9], rise.since, one[10], one[11], one[12]
+            )
+            put(period, found, block + j)
         for pair in range(0, count * m, N):
             for i in range(min(N, count * m - pair)):
                 j, k = (pair + i) // m, (pair + i) % m
