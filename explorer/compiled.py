@@ -43,7 +43,6 @@ if TYPE_CHECKING:
     from kernels.near_flat import passages as passages
     from kernels.near_flat import tables as tables
     from kernels.steps import attempt as attempt
-    from kernels.steps import curves as curves
     from kernels.steps import engine as engine
     from kernels.steps import events as events
     from kernels.steps import variation as variation

@@ -25,6 +25,7 @@ PASSAGE = 2.0  # units of time that a passage takes: errors add up over them
 LONGEST_ANGLE, LONGEST_TIME = 0.2, 0.1
 _RESERVE = 0.9  # of these, since times between the points of a piece are found by straight lines
 MOST_POINTS = 4_000_000  # of all curves of a call, padding included: about a gigabyte with all observables
+SINCE_START = np.full((1, 1), np.nan)
 _AT_ONCE, _CURVES_AT_ONCE = 1 << 16, 256  # states, and curves, of which a kernel finds all at a time
 
 
@@ -36,7 +37,7 @@ class Outcome(NamedTuple):
     steps: NDArray[np.int32]
     constants_error: Array
     error_estimate: Array
-    period: Array | None = None
+    period: Any = None
 
 
 class Exact(NamedTuple):
@@ -65,26 +66,28 @@ class Exact(NamedTuple):
 
     def at(self, rows: Any) -> "Exact":
         """Some of them."""
-        arrays = {name: value for name, value in self._asdict().items() if isinstance(value, (tuple, np.ndarray))}
-        some = {name: rows_of(v, rows) if isinstance(v, tuple) else v[rows] for name, v in arrays.items()}
-        return self._replace(**some)
+        tables = rows_of(self.rows, rows), rows_of(self.starts, rows)
+        columns = (each[rows] for each in (self.own, self.jump, self.chi0, self.energy, self.status))
+        return Exact(self.disk, *tables, *columns, self.accuracy, self.path)
 
     def at_once(self, times: int) -> int:
         """Of how many motions a call finds states at so many times."""
         return max(1, _AT_ONCE // max(times, 1))
 
-    def seen(self, times: Array, lows: Array | None = None) -> tuple[Array, Outcome]:
+    def seen(self, times: Array, lows: Array = SINCE_START) -> tuple[Array, Outcome]:
         """States (10, n, nt) at times (n or 1, nt), NaN where a motion is not OK, and what became of motions.
 
         lows (n or 1, nt or 1): since which lower turning point times count, 0 that nearest to the start, or since the start
         where NaN.
         """
         n, m, code = self.status.size, times.shape[1], compiled.status.Status
-        period, out = np.empty((len(compiled.motions.PeriodRow._fields), n)), np.empty((n, m, compiled.motions.OUT))
-        lows = np.full((1, 1), np.nan) if lows is None else lows
+        period, out = (
+            np.empty((len(compiled.motions.PeriodRow._fields), n)),
+            np.empty((n, m, compiled.motions.OUT)),
+        )
         rises = rises_of(self.disk, self.rows, self.starts, self.own, self.jump)
-        given = map(np.ascontiguousarray, (times, lows))
-        compiled.motions.motion_batch(rises, *given, self.path, self.disk.arc_disk, period, out)
+        when = np.ascontiguousarray(times), np.ascontiguousarray(lows)
+        compiled.motions.motion_batch(rises, *when, self.path, self.disk.arc_disk, period, out)
         states, (lag, angle, path) = np.moveaxis(out[..., :10], -1, 0), np.moveaxis(out[..., 10:], -1, 0)
         states[compiled.field.ROW.chi] += self.chi0[:, None]
         sine, cosine = np.sin(self.chi0)[:, None], np.cos(self.chi0)[:, None]
@@ -97,7 +100,8 @@ class Exact(NamedTuple):
         status = np.where(self.status == code.OK, status, self.status).astype(np.int8)
         # Inside a race an error of the time is a larger one of chi, and at most all of that race.
         q, rho = states[compiled.field.ROW.q], states[compiled.field.ROW.rho]
-        raced = np.fmin(lag * abs(rho) / q, 2.0 * self.disk.race_limit)
+        with np.errstate(invalid="ignore", divide="ignore"):  # of limit motions, where they are flat
+            raced = np.fmin(lag * abs(rho) / q, 2.0 * self.disk.race_limit)
         error = (error + raced).max(axis=1, initial=0.0)
         lost = status != code.OK
         out[lost], error[self.status != code.OK] = np.nan, np.nan
@@ -116,7 +120,11 @@ class Exact(NamedTuple):
         By symmetry the points of one rise serve all rises and falls.
         """
         _, outcome = self.seen(np.zeros((1, 1)))
-        alike = [points for rows in range(0, self.status.size, _CURVES_AT_ONCE) for points in self.at(slice(rows, rows + _CURVES_AT_ONCE))._points()]
+        alike = [
+            points
+            for rows in range(0, self.status.size, _CURVES_AT_ONCE)
+            for points in self.at(slice(rows, rows + _CURVES_AT_ONCE))._points()
+        ]
         period = compiled.motions.PeriodRow(*outcome.period)
         half, since = 0.5 * period.time, period.since
         good = outcome.status == compiled.status.Status.OK

@@ -63,7 +63,7 @@ class ByIntegration(NamedTuple):
         """Lanes of a kernel stand empty at its end, so that it follows as many motions as there are."""
         return
 
-    def seen(self, times: Array, _lows: None = None) -> tuple[Array, Outcome]:
+    def seen(self, times: Array, _lows: Any = None) -> tuple[Array, Outcome]:
         """States (10, n, nt) at increasing times (1, nt) >= 0, NaN where a motion is not OK, and what became of
         motions."""
         given, disk, how, code = self.given, self.disk, self.given.plan, compiled.status.Status

@@ -52,7 +52,8 @@ class _Slow:
     @property
     def there(self) -> NDArray[np.bool_]:
         """Whether there is one."""
-        return ~np.isnan(self.after)
+        found: NDArray[np.bool_] = ~np.isnan(self.after)
+        return found
 
 
 @np.errstate(all="ignore")  # of motions on F, some distances of which are infinite, and of those without rises
@@ -78,8 +79,13 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
         return _either(turned, one, other) if isinstance(one, tuple) else np.where(turned, one, other)
 
     place, left, up, above = either(left, place), either(place, left), either(there, here), either(here, there)
-    falls_back, falls_ahead = on_f, pendulum
-    lower, upper, vertical, mirrored = either(upper, lower), either(lower, upper), either(mirrored, vertical), either(vertical, mirrored)
+    on_f, pendulum = on_f, pendulum
+    lower, upper, vertical, mirrored = (
+        either(upper, lower),
+        either(lower, upper),
+        either(mirrored, vertical),
+        either(vertical, mirrored),
+    )
     Y, far_Y, own = either(far_Y, Y), either(Y, far_Y), np.where(turned, -own, own)
     way = np.fmax(np.where(crosses, up + above, place + left), _LEAST_WAY)
     slow = _slow_places(disk, m, e, turned, (place, left, up, above), vertical)
@@ -94,14 +100,14 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
     far_above = slow.there & (from_middle - np.fmax(-of_middle, 0.0) > 3.0 * deep)
     # As far below the vertical, or below the anchor if that is lower, nothing is left to do but to coast.
     down, ahead = np.where(far_below, deep + np.fmax(ends, 0.0), 0.5 * to_middle), deep + np.fmax(-of_middle, 0.0)
-    first = np.where(far_below, np.where(falls_back, 0.0, deep), 0.5 * to_middle)
-    last = np.where(far_above, np.where(falls_ahead, 0.0, deep), 0.5 * from_middle)
+    first = np.where(far_below, np.where(on_f, 0.0, deep), 0.5 * to_middle)
+    last = np.where(far_above, np.where(pendulum, 0.0, deep), 0.5 * from_middle)
     last, down = np.where(slow.there, last, down), np.where(slow.there, down, 0.0)
     ahead = np.where(slow.there, np.where(far_above, ahead, 0.5 * from_middle), 0.0)
     coast_below = np.where(far_below, np.fmin(to_middle - first - np.where(slow.there, down, last), 1e3), 0.0)
     coast_above = np.where(far_above, np.fmin(from_middle - ahead - last, 1e3), 0.0)
-    lower = lower._replace(r=np.where(falls_back, np.exp(ends - np.where(slow.there, down, last)), lower.r))
-    upper = upper._replace(r=np.where(falls_ahead, np.exp(-of_middle - ahead), upper.r))
+    lower = lower._replace(r=np.where(on_f, np.exp(ends - np.where(slow.there, down, last)), lower.r))
+    upper = upper._replace(r=np.where(pendulum, np.exp(-of_middle - ahead), upper.r))
     apart = np.where((way < _NARROW) & ~slow.there & ~(e.slowest < np.inf), way, 0.0)
 
     anchors = np.stack([
@@ -125,14 +131,22 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
     off = np.where(np.isfinite(place), place - slow.middle, slow.after - left)
     tangent = rows.q / (1.0 + abs(rows.z))
     off = np.where(pendulum, np.where(turned, -1.0, 1.0) * np.log(tangent) - of_middle, off)
-    where = [place <= first, left <= last, slow.there & (off >= 0.0) & (off <= ahead), slow.there & (off < 0.0) & (-off <= down)]
+    where = [
+        place <= first,
+        left <= last,
+        slow.there & (off >= 0.0) & (off <= ahead),
+        slow.there & (off < 0.0) & (-off <= down),
+    ]
     distance = np.select(where, [place, left, off, -off], tangent)
     coasts = ~np.any(where, axis=0)
     number = np.select(where, [0, 3, 2, 1], np.where(slow.there & (off > 0.0), 3, 0))
-        # A pendulum's side is that of eta on face +1; on the other one eta has the other sign.
+    # A pendulum's side is that of eta on face +1; on the other one eta has the other sign.
     jump = np.where(pendulum, own * jump, jump)
     given = [number, distance, coasts, own * rows.p >= 0.0, own, jump, pendulum, *_unsure(disk, rows)]
-    flattened = (np.moveaxis(each, -2, -1).ravel() for each in (anchors, np.moveaxis(stretches, 2, 0).swapaxes(1, 2), np.stack(given)))
+    flattened = (
+        np.moveaxis(each, -2, -1).ravel()
+        for each in (anchors, np.moveaxis(stretches, 2, 0).swapaxes(1, 2), np.stack(given))
+    )
     return compiled.motions.Rises(*map(np.ascontiguousarray, flattened))
 
 
@@ -150,7 +164,9 @@ def _slow_places(disk: Disk, m: ArcStarts, e: Ends, turned: Any, distances: Any,
     slow, (place, left, up, above) = _Slow(turned.size), distances
     room = np.fmin(up, above)
     far = room > 3.0 * compiled.pieces.DEEP
-    rows = np.flatnonzero(e.crosses & (far | ((vertical.K < _SLOW) & ((room > _SLOW) | (2.0 * vertical.slow < room)))))
+    rows = np.flatnonzero(
+        e.crosses & (far | ((vertical.K < _SLOW) & ((room > _SLOW) | (2.0 * vertical.slow < room))))
+    )
     slow.note(rows, rows_of(vertical, rows), up[rows], above[rows], False)
     other = from_place(m.starts.X, m.Y_far, beyond(e.vertical))
     # Seen from the state, towards flat is back to the lower turning point, or, if that is on the other face, ahead.

@@ -23,7 +23,7 @@ from explorer.errors import (
     whole,
     words,
 )
-from explorer.motion.exact import Exact, Outcome
+from explorer.motion.exact import SINCE_START, Exact, Outcome
 from explorer.motion.integrated import ByIntegration
 from explorer.motion.integration import MAX_STEPS
 from explorer.motion.plan import PATH, Plan, plan
@@ -34,7 +34,7 @@ from explorer.phase.results import WithStatus
 from explorer.phase.states import Array, States, require_states
 
 ALL = ("phi", "chi", "psi", "path", "contact")  # what simulate gives where nothing else is asked for
-_OTHERS = ("tilt", "phidot", "sigma3", "sigma4")
+OTHERS = ("tilt", "phidot", "sigma3", "sigma4")
 _VECTORS = ("path", "contact")
 _TURNING = ("chi", "psi", *_VECTORS)  # observables of which a curve is wrong where it misses a race
 _MOST_TURNED = 1e4  # rad of chi at the start; what is added to a larger one is lost in its last digits
@@ -105,23 +105,24 @@ class Trajectories(WithStatus):
     """
 
     t: Array
-    phi: Array | None
-    tilt: Array | None
-    phidot: Array | None
-    sigma3: Array | None
-    sigma4: Array | None
-    chi: Array | None
-    psi: Array | None
-    path: Array | None
-    contact: Array | None
+    # None where it was not asked for; whoever asked knows that it is there.
+    phi: Any
+    tilt: Any
+    phidot: Any
+    sigma3: Any
+    sigma4: Any
+    chi: Any
+    psi: Any
+    path: Any
+    contact: Any
     status: NDArray[np.int8]
     steps: NDArray[np.int32]
     constants_error: Array
     error_estimate: Array
     lengths: NDArray[np.int64]
-    period: Array | None
-    turn: Array | None
-    shift: Array | None
+    period: Any
+    turn: Any
+    shift: Any
     t_end: float
     states: States
     _source: Exact | ByIntegration
@@ -130,7 +131,7 @@ class Trajectories(WithStatus):
     @property
     def observables(self) -> tuple[str, ...]:
         """The names of those that were asked for."""
-        return tuple(name for name in (*_OTHERS, *ALL) if getattr(self, name) is not None)
+        return tuple(name for name in (*OTHERS, *ALL) if getattr(self, name) is not None)
 
     def at(self, rows: NDArray[np.intp]) -> Trajectories:
         """Some of the motions in a row, by their numbers among all."""
@@ -174,7 +175,7 @@ class Trajectories(WithStatus):
         one_of("since", since, ("start", "lowest"))
         (times,), _ = read_columns(t=t)
         disk, shape, source = self.states.disk, np.shape(t), self._source
-        exact, lows = isinstance(source, Exact), None
+        exact, lows = isinstance(source, Exact), SINCE_START
         if not np.isfinite(times).all():
             raise InputError(f"{said('t', t)}: times must be finite")
         if not exact and (since != "start" or not ((times >= 0.0) & (times <= self.t_end * _ROUNDED)).all()):
@@ -192,7 +193,9 @@ class Trajectories(WithStatus):
         """The times at some places, in a shape of their own."""
         axis = len(self.shape)
         arrays = {name: getattr(self, name) for name in ("t", *self.observables)}
-        chosen = {name: np.moveaxis(np.moveaxis(values, axis, 0)[places], 0, axis) for name, values in arrays.items()}
+        chosen = {
+            name: np.moveaxis(np.moveaxis(values, axis, 0)[places], 0, axis) for name, values in arrays.items()
+        }
         shaped = {name: v.reshape((*self.shape, *shape, *v.shape[axis + 1 :]))[()] for name, v in chosen.items()}
         return replace(self, **shaped)
 
@@ -203,8 +206,6 @@ class Trajectories(WithStatus):
             f"  status: {self._counted()}\n"
             f"  observables: {', '.join(self.observables)}"
         )
-
-
 
 
 def simulate(
@@ -281,9 +282,9 @@ def simulate(
     (True, array([0.2749, 0.5152, 0.1788]))
     """
     require_states(states)
-    names = tuple(one_of("observable", name, (*_OTHERS, *ALL)) for name in words("observables", observables))
+    names = tuple(one_of("observable", name, (*OTHERS, *ALL)) for name in words("observables", observables))
     if not names:
-        raise InputError(f"observables: the list is empty; give some of {', '.join((*_OTHERS, *ALL))}")
+        raise InputError(f"observables: the list is empty; give some of {', '.join((*OTHERS, *ALL))}")
     how, turned, row = plan(names, accuracy, method), _angles(chi0, states), states.flat
     jobs, most = jobs_of("jobs", jobs), whole("max_steps", max_steps, 1, _MOST_STEPS)
     if method == "auto" and states.disk.body.I3 > 0.0:
@@ -291,7 +292,9 @@ def simulate(
     else:
         source = ByIntegration.through(row, how, turned, most)
     if t_eval is not None:
-        found = _trajectories(source, states, _times(t_end, t_eval, states, isinstance(source, Exact)), names, jobs)
+        found = _trajectories(
+            source, states, _times(t_end, t_eval, states, isinstance(source, Exact)), names, jobs
+        )
         if set(names) & set(_TURNING):
             _warn_of_races(found)
         return found
@@ -315,6 +318,11 @@ def trajectories_by(
     return _trajectories(source, states, times[None], tuple(observables))
 
 
+def at_times(source: Exact, states: States, t: ArrayLike, since: str, names: tuple[str, ...]) -> Trajectories:
+    """Exact motions at times of any shape, as a call of Trajectories has them."""
+    return _trajectories(source, states, np.zeros((1, 1)), names)(t, since)
+
+
 def finer(t: Array, parts: int) -> Array:
     """Increasing times with `parts` equal steps for each step there was."""
     places = np.arange(parts * (t.size - 1) + 1) / parts
@@ -327,7 +335,7 @@ def _trajectories(
     times: Array,
     names: tuple[str, ...],
     jobs: int = 1,
-    lows: Array | None = None,
+    lows: Array = SINCE_START,
     lengths: Any = None,
     end: float | None = None,
 ) -> Trajectories:
@@ -340,17 +348,20 @@ def _trajectories(
     at = np.array(np.broadcast_to(times, (n, m)))
 
     def part(rows: slice) -> Outcome:
-        own = tuple(table if table is None or len(table) == 1 else table[rows] for table in (times, lows))
-        seen, outcome = source.at(rows).seen(own[0] * disk.rate_unit, own[1])
+        own_times, own_lows = (table if len(table) == 1 else table[rows] for table in (times, lows))
+        seen, outcome = source.at(rows).seen(own_times * disk.rate_unit, own_lows)
         for name, found in _observables(disk, seen, names).items():
             values[name][rows] = found
         if lengths is not None:  # of the points themselves, not of the end, as it was given
-            counted = ~np.isnan(own[1]) & (outcome.status == compiled.status.Status.OK)[:, None]
+            counted = ~np.isnan(own_lows) & (outcome.status == compiled.status.Status.OK)[:, None]
             at[rows] = np.where(counted, seen[compiled.field.ROW.t] * disk.time_unit, at[rows])
         return outcome
 
     parts = in_parts(jobs, n, part, source.at_once(m))
-    outcome = Outcome(*(None if c[0] is None else np.concatenate(c, axis=-1) for c in zip(*parts, strict=True)))
+    columns: list[Any] = [
+        None if part[0] is None else np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)
+    ]
+    outcome = Outcome(*columns)
     ok = outcome.status == compiled.status.Status.OK
     known: dict[str, Any] = dict.fromkeys(("period", "turn", "shift"))
     if outcome.period is not None:
@@ -358,11 +369,12 @@ def _trajectories(
         known = {"period": each.time * disk.time_unit, "turn": each.chi}
         away = np.stack([each.a1, each.a2, 0.0 * each.a1], axis=-1)
         known["shift"] = disk.r * away if "path" in names or "contact" in names else None
-    told = {name: getattr(outcome, name) for name in ("status", "steps", "error_estimate")}
     return Trajectories(
         t=at,
-        **{name: values.get(name) for name in (*ALL, *_OTHERS)},
-        **told,
+        **dict.fromkeys((*ALL, *OTHERS)) | values,
+        status=outcome.status,
+        steps=outcome.steps,
+        error_estimate=outcome.error_estimate,
         constants_error=outcome.constants_error.T,
         lengths=np.where(ok, m, 0) if lengths is None else lengths,
         **known,
@@ -381,7 +393,9 @@ def _angles(chi0: ArrayLike, states: States) -> Array:
     except ValueError:
         raise InputError(f"chi0: has the shape {given.shape}; give a number, or {states.shape}") from None
     if not (abs(angles) <= _MOST_TURNED).all():
-        raise InputError(f"{said('chi0', chi0)} must be finite numbers, from {-_MOST_TURNED:g} to {_MOST_TURNED:g}")
+        raise InputError(
+            f"{said('chi0', chi0)} must be finite numbers, from {-_MOST_TURNED:g} to {_MOST_TURNED:g}"
+        )
     return np.array(angles)
 
 

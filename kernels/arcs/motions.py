@@ -324,16 +324,29 @@ def origin(at: Seen, back: float) -> Origin:
     half = 0.5 * math.atan2(math.sin(back), math.cos(back))
     turned = math.sin(at.chi), math.cos(at.chi), math.sin(back), math.cos(back)
     return Origin(
-        at.chi, at.psi, at.a1, at.a2, turned[0], turned[1], turned[2], turned[3], half, math.sin(half), math.cos(half)
+        at.chi,
+        at.psi,
+        at.a1,
+        at.a2,
+        turned[0],
+        turned[1],
+        turned[2],
+        turned[3],
+        half,
+        math.sin(half),
+        math.cos(half),
     )
 
 
 class When(NamedTuple):
-    """A time after the start, and the lower turning point nearest to it; since: the time after the one since which
-    it was counted, and `passed` how many periods there are between, or NaN."""
+    """A time after the start; periods: how many there are between the lower turning points nearest to both.
+
+    since: the time as it was given; passed: the periods between the lower turning point since which it counts and
+    the one that is nearest, or NaN.
+    """
 
     time: float
-    count: float
+    periods: float
     since: float
     passed: float
 
@@ -349,10 +362,10 @@ def when(t: float, low: float, rise: Rise) -> When:
 
 @subroutine
 def put_motion(
-    out: Vector, at: Seen, when: When, start: Origin, rise: Rise, errors: Errors, given: Given
+    out: Vector, at: Seen, at_time: When, start: Origin, rise: Rise, errors: Errors, given: Given
 ) -> None:
     """A point as its motion has it, so many periods after the start: each turns the picture and moves it along."""
-    count = when.count
+    count = at_time.periods
     x, y, own = rise.a1, rise.a2, given.face
     sn, cn, gx, gy, wide = 0.0, 1.0, -start.a1, -start.a2, 0.0
     if count != 0.0:
@@ -368,16 +381,16 @@ def put_motion(
     gx, gy = gx + cn * at.a1 - sn * at.a2, gy + sn * at.a1 + cn * at.a2
     chi, psi = at.chi - start.chi + 2.0 * rise.chi * count, at.psi - start.psi + 2.0 * rise.psi * count
     out[0], out[1], out[2], out[3], out[4] = at.q, own * at.z, own * at.p, at.ratio, own * at.sigma4
-    out[5], out[6], out[7] = when.time, chi, own * psi
+    out[5], out[6], out[7] = at_time.time, chi, own * psi
     out[8] = own * (start.cosine * gx + start.sine * gy)
     out[9] = own * (start.cosine * gy - start.sine * gx)
     # Errors of whole rises, and of the place of the state, add up; within a piece there is that of its series.
     rises = 2.0 * abs(count) + 2.0
-    lag = rises * errors.time + errors.time_within + EPSILON * (abs(when.time) + abs(rise.since)) + given.late
-    if when.passed == when.passed:  # beside a lower turning point series know the time relative to itself
-        near = when.passed == 0.0
-        lag = (TAILS * LEFT_OUT + EPSILON) * abs(when.since)
-        lag += 0.0 if near else 2.0 * abs(when.passed) * errors.time + errors.time_within
+    lag = rises * errors.time + errors.time_within + EPSILON * (abs(at_time.time) + abs(rise.since)) + given.late
+    if at_time.passed == at_time.passed:  # beside a lower turning point series know the time relative to itself
+        near = at_time.passed == 0.0
+        lag = (TAILS * LEFT_OUT + EPSILON) * abs(at_time.since)
+        lag += 0.0 if near else 2.0 * abs(at_time.passed) * errors.time + errors.time_within
     angle = rises * errors.angle + errors.angle_within + 4.0 * EPSILON * (abs(chi) + abs(psi) + 1.0)
     out[10], out[11] = lag, angle + lag
     moved = rises * (errors.path + errors.way * errors.angle_within) + errors.path_within
@@ -387,7 +400,11 @@ def put_motion(
 @subroutine
 def lay_rise(W: Vector, rises: Rises, g: int, j: int, pool: Pool, E: Vector, path: bool, disk: ArcDisk) -> Rise:
     """The pieces of rise g into the pool as those of motion j, behind those of the ones before."""
-    given, before, errors = given_of(rises.given, g * GIVEN, 0), pool.first[j], Errors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    given, before, errors = (
+        given_of(rises.given, g * GIVEN, 0),
+        pool.first[j],
+        Errors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    )
     n = before
     for number in range(STRETCHES):
         stretch, start = stretch_of(rises.stretches, (g * STRETCHES + number) * STRETCH, 0), n
@@ -437,10 +454,10 @@ def motion_batch(
                 locate(L, j, pool, j, rise.time, rise.since)
         read(L)
         for j in range(count):
-            rise, errors, start = rise_of(R, j * RISE, 0), errors_of(E, j * ERRORS, 0), seen_of(L, _SEEN, j)
-            place, given = origin(start, 2.0 * rise.chi), given_of(rises.given, (block + j) * GIVEN, 0)
-            put_origin(S, j * ORIGIN, 0, place)
-            put_motion(one, start, When(2.0 * rise.time, 1.0, 0.0, math.nan), place, rise, errors, given)
+            rise, errors, seen = rise_of(R, j * RISE, 0), errors_of(E, j * ERRORS, 0), seen_of(L, _SEEN, j)
+            start, given = origin(seen, 2.0 * rise.chi), given_of(rises.given, (block + j) * GIVEN, 0)
+            put_origin(S, j * ORIGIN, 0, start)
+            put_motion(one, seen, When(2.0 * rise.time, 1.0, 0.0, math.nan), start, rise, errors, given)
             none = pool.first[j + 1] == pool.first[j]
             period = PeriodRow(
                 math.nan if none else one[5], one[6], one[7], one[8], one[9], rise.since, one[10], one[11], one[12]
@@ -453,7 +470,7 @@ def motion_batch(
                     rise = rise_of(R, j * RISE, 0)
                     t, low = entry(times, block + j, k), entry(lows, block + j, k)
                     at, since = when(t, low, rise), rise.since if math.isnan(low) else 0.0
-                    whole = at.count if math.isnan(low) else at.passed
+                    whole = at.periods if math.isnan(low) else at.passed
                     locate(L, i, pool, j, rise.time, (t - 2.0 * rise.time * whole) + since)
             read(L)
             for i in range(min(N, count * m - pair)):

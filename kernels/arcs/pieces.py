@@ -39,7 +39,11 @@ STRETCHES = 4  # of a rise at most: from the lower turning point, from a slow pl
 DEEP = 37.5  # in x: so far from the wall and from the vertical only tan(theta/2) changes, by rounding
 MOST = 2048  # pieces of a rise: most have 2 to 40, and a path one more for every eight radians of chi
 LEFT_OUT = 1e-13  # by a series, relative to its own size or to a radian
-_FIRST, _LONGEST, _GROWTH = 1.7, 5.0, 1.2  # lengths in x: of the scale of a turning point; at most; of the distance
+_FIRST, _LONGEST, _GROWTH = (
+    1.7,
+    5.0,
+    1.2,
+)  # lengths in x: of the scale of a turning point; at most; of the distance
 _BARELY = 1.3  # of a step: a last piece as long is not cut
 _SHORTEST = 1e-9  # of the scale at an anchor
 TAILS = 3.0  # what a series leaves out is within so many times what its last coefficients say
@@ -253,7 +257,11 @@ def write(W: Vector, k: int, P: Point, anchor: Anchor, there: bool, b: Body) -> 
 @subroutine
 def look(W: Vector, view: View, a: float, length: float, b: Body) -> None:
     """The motion at the nodes of a piece that begins at the distance a."""
-    near, beyond, upright = FaceMotion(view.near.X, view.near.Y), FaceMotion(view.beyond.X, view.beyond.Y), view.stretch.upright
+    near, beyond, upright = (
+        FaceMotion(view.near.X, view.near.Y),
+        FaceMotion(view.beyond.X, view.beyond.Y),
+        view.stretch.upright,
+    )
     for k in range(N):
         W[_D + k] = a + length * W[_V + k]
     if view.inward:
@@ -343,7 +351,9 @@ def with_piece(W: Vector, view: View, turns: bool, path: bool, before: Errors) -
     for k in range(N):
         off = view.unsure * abs(W[_K + k] / (view.steep * W[_D + k]) - 1.0) if view.turns else 0.5 * view.unsure
         unsure = (_ROUNDING * W[_SIZE + k] + off) / W[_K + k]
-        way = W[_F0 + k] * (abs(W[_SIGMA4 + k]) + W[_Q + k] * W[_F5 + k] * (math.sqrt(W[_V + k]) if turns else 1.0))
+        way = W[_F0 + k] * (
+            abs(W[_SIGMA4 + k]) + W[_Q + k] * W[_F5 + k] * (math.sqrt(W[_V + k]) if turns else 1.0)
+        )
         W[_F1 + k] = unsure * (abs(W[_F1 + k]) + abs(W[_F2 + k]))
         W[_F3 + k], W[_F4 + k], W[_F5 + k] = unsure * W[_F0 + k], way, unsure * way
     weight, time, angle = 2.0 / N if turns else 1.0 / N, tail(W, TIME), tail(W, CHI) + tail(W, PSI)
@@ -388,7 +398,10 @@ def keep_coast(W: Vector, view: View, number: int, P: Vector, at: int, b: Body) 
 @subroutine
 def view_of(anchors: Vector, stretch: Stretch, number: int, unsure: float, b: Body) -> View:
     """How the points of a stretch are counted: those of the stretches 0 and 2 of a rise with the time."""
-    near, beyond = anchor_of(anchors, int(stretch.anchor) * ANCHOR, 0), anchor_of(anchors, int(stretch.beyond) * ANCHOR, 0)
+    near, beyond = (
+        anchor_of(anchors, int(stretch.anchor) * ANCHOR, 0),
+        anchor_of(anchors, int(stretch.beyond) * ANCHOR, 0),
+    )
     sign = 1.0 if number % 2 == 0 else -1.0
     inv = 1.0 / (1.0 + near.r * near.r)
     q = 2.0 * near.r * inv
