@@ -67,8 +67,8 @@ class Exact(NamedTuple):
     def at(self, rows: Any) -> "Exact":
         """Some of them."""
         tables = rows_of(self.rows, rows), rows_of(self.starts, rows)
-        columns = (each[rows] for each in (self.own, self.jump, self.chi0, self.energy, self.status))
-        return Exact(self.disk, *tables, *columns, self.accuracy, self.path)
+        own, jump, chi0, energy = (each[rows] for each in (self.own, self.jump, self.chi0, self.energy))
+        return Exact(self.disk, *tables, own, jump, chi0, energy, self.status[rows], self.accuracy, self.path)
 
     def at_once(self, times: int) -> int:
         """Of how many motions a call finds states at so many times."""
@@ -88,7 +88,7 @@ class Exact(NamedTuple):
         rises = rises_of(self.disk, self.rows, self.starts, self.own, self.jump)
         when = np.ascontiguousarray(times), np.ascontiguousarray(lows)
         compiled.motions.motion_batch(rises, *when, self.path, self.disk.arc_disk, period, out)
-        states, (lag, angle, path) = np.moveaxis(out[..., :10], -1, 0), np.moveaxis(out[..., 10:], -1, 0)
+        states, (raced, angle, path) = np.moveaxis(out[..., :10], -1, 0), np.moveaxis(out[..., 10:], -1, 0)
         states[compiled.field.ROW.chi] += self.chi0[:, None]
         sine, cosine = np.sin(self.chi0)[:, None], np.cos(self.chi0)[:, None]
         for a1, a2 in (states[8:], period[3:5, :, None]):
@@ -99,10 +99,7 @@ class Exact(NamedTuple):
         status = np.where(known & found, code.OK, np.where(found, code.TOO_FEW_DIGITS, code.STEP_LIMIT))
         status = np.where(self.status == code.OK, status, self.status).astype(np.int8)
         # Inside a race an error of the time is a larger one of chi, and at most all of that race.
-        q, rho = states[compiled.field.ROW.q], states[compiled.field.ROW.rho]
-        with np.errstate(invalid="ignore", divide="ignore"):  # of limit motions, where they are flat
-            raced = np.fmin(lag * abs(rho) / q, 2.0 * self.disk.race_limit)
-        error = (error + raced).max(axis=1, initial=0.0)
+        error = (error + np.fmin(raced, 2.0 * self.disk.race_limit)).max(axis=1, initial=0.0)
         lost = status != code.OK
         out[lost], error[self.status != code.OK] = np.nan, np.nan
         kept = np.where(lost, np.nan, np.zeros((3, n)))

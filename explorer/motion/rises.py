@@ -26,12 +26,12 @@ _NARROW = 0.5  # in x: in so narrow a well K comes from V''
 _SLOW = 0.3
 _FLAT_FROM = 300.0  # in x: what lies below the vertical by so much is flat
 _LEAST_WAY = 1e-30  # in x: of a motion that is steady
-_ROUNDING = 2.0 * 2.2e-16  # of coordinates of a given state
+_ROUNDING = 2.2e-16  # of a double
 
 
-def _either(rows: NDArray[np.bool_], one: Place, other: Place) -> Place:
+def _either(rows: NDArray[np.bool_], one: Any, other: Any) -> Place:
     """Places: one where rows, else the other."""
-    return type(one)(*(np.where(rows, a, b) for a, b in zip(one, other, strict=True)))
+    return compiled.turning_points.Place(*(np.where(rows, a, b) for a, b in zip(one, other, strict=True)))
 
 
 class _Slow:
@@ -142,7 +142,10 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
     number = np.select(where, [0, 3, 2, 1], np.where(slow.there & (off > 0.0), 3, 0))
     # A pendulum's side is that of eta on face +1; on the other one eta has the other sign.
     jump = np.where(pendulum, own * jump, jump)
-    given = [number, distance, coasts, own * rows.p >= 0.0, own, jump, pendulum, *_unsure(disk, rows)]
+    # A state's height is known by its distance from turning points, its speed to rounding.
+    turn, unsure = rows.rho / rows.q, _ROUNDING * disk.body.M * rows.p**2
+    rates = turn, own * (rows.z * turn - rows.sigma4), own * rows.sigma4
+    given = [number, distance, coasts, own * rows.p >= 0.0, own, jump, pendulum, *rates, unsure]
     flattened = (
         np.moveaxis(each, -2, -1).ravel()
         for each in (anchors, np.moveaxis(stretches, 2, 0).swapaxes(1, 2), np.stack(given))
@@ -184,15 +187,3 @@ def _slow_places(disk: Disk, m: ArcStarts, e: Ends, turned: Any, distances: Any,
     rows = np.flatnonzero((e.state.K > 0.0) & (2.0 * e.state.slow < np.fmin(place, left)))
     slow.note(rows, rows_of(e.state, rows), place[rows], left[rows], turned[rows])
     return slow
-
-
-def _unsure(disk: Disk, rows: Rows) -> tuple[Array, Array]:
-    """What rounding of states leaves unknown of the energy, and of the time at which a motion is there.
-
-    A motion that hardly moves is near its turning point, from which its time is known as well as its speed is.
-    """
-    b, (q, z, p, ratio, sigma4) = disk.body, rows
-    slope = b.J * ratio * q * sigma4 - b.I1 * z * ratio * ratio + q * z
-    moved, speed = _ROUNDING * abs(z), abs(p)
-    late = np.where(speed > 0.0, q / (speed / moved + abs(slope) / (b.M * speed)), 0.0)
-    return moved * abs(slope) + 0.5 * _ROUNDING * b.M * p * p, late

@@ -39,6 +39,7 @@ from kernels.arcs.pieces import (
     Low,
     N,
     Piece,
+    Rates,
     lay,
     low_of,
     piece_of,
@@ -58,8 +59,8 @@ class Given(NamedTuple):
 
     stretch, distance: where it is counted from an anchor; tan(theta/2) where it `coasts`. rises: whether theta, as
     the rise sees it, grows. face: -1 where the rise is seen in a mirror, as from the other face. jump: of chi at
-    flat, 0 off F; upright: the rise ends at the other flat state. unsure, late: what rounding of the state leaves
-    unknown of its energy, and of its time.
+    flat, 0 off F; upright: the rise ends at the other flat state. chi_rate, psi_rate, sigma4: as `Rates`. unsure:
+    what rounding of the state leaves unknown of its energy.
     """
 
     stretch: float
@@ -69,8 +70,10 @@ class Given(NamedTuple):
     face: float
     jump: float
     upright: float
+    chi_rate: float
+    psi_rate: float
+    sigma4: float
     unsure: float
-    late: float
 
 
 class Rises(NamedTuple):
@@ -157,6 +160,7 @@ _HERE = _SEEN + len(Seen._fields) * N
 _SERIES = _HERE + HEAD * N
 _ROWS = _HERE + WIDE * N
 _NEWTON, _ALMOST = 60, 1e-9  # steps, each of which doubles the digits; the last one has them all
+_FAST = 3.0  # rates (natural units) from which an error of the time is a larger one of angles: in a race
 _HALF_TURNED = 1e-12  # rad: below, periods add up in a straight line
 OUT = 13  # what is found at a time: a state, and the errors of its time, angles and centre
 
@@ -384,17 +388,23 @@ def put_motion(
     out[5], out[6], out[7] = at_time.time, chi, own * psi
     out[8] = own * (start.cosine * gx + start.sine * gy)
     out[9] = own * (start.cosine * gy - start.sine * gx)
-    # Errors of whole rises, and of the place of the state, add up; within a piece there is that of its series.
+    # Errors of whole rises, and of the place of the state, add up; within a piece there is that of its series. What a
+    # delay changes is what goes on otherwise than at the start, but an error of the time itself changes all.
     rises = 2.0 * abs(count) + 2.0
-    lag = rises * errors.time + errors.time_within + EPSILON * (abs(at_time.time) + abs(rise.since)) + given.late
+    delay, clock = rises * errors.delay, rises * errors.time + errors.time_within
+    clock += EPSILON * (abs(at_time.time) + abs(rise.since))
     if at_time.passed == at_time.passed:  # beside a lower turning point series know the time relative to itself
-        near = at_time.passed == 0.0
-        lag = (TAILS * LEFT_OUT + EPSILON) * abs(at_time.since)
-        lag += 0.0 if near else 2.0 * abs(at_time.passed) * errors.time + errors.time_within
+        delay, near = 2.0 * abs(at_time.passed) * errors.delay, at_time.passed == 0.0
+        clock = (TAILS * LEFT_OUT + EPSILON) * abs(at_time.since)
+        clock += 0.0 if near else 2.0 * abs(at_time.passed) * errors.time + errors.time_within
+    chi_rate = at.ratio / at.q
+    turned = abs(chi_rate - given.chi_rate) + abs(at.z * chi_rate - at.sigma4 - given.psi_rate)
     angle = rises * errors.angle + errors.angle_within + 4.0 * EPSILON * (abs(chi) + abs(psi) + 1.0)
-    out[10], out[11] = lag, angle + lag
+    out[10] = delay * turned + clock * abs(chi_rate)
+    out[11] = angle + delay * (abs(at.p) + min(turned, _FAST)) + clock * (abs(at.p) + _FAST)
     moved = rises * (errors.path + errors.way * errors.angle_within) + errors.path_within
-    out[12] = (abs(at.sigma4) + abs(at.p)) * lag + moved + (wide + abs(gx) + abs(gy)) * angle
+    away = abs(at.sigma4 - given.sigma4) + abs(at.p) + min(turned, _FAST) * (1.0 + abs(gx) + abs(gy))
+    out[12] = delay * away + clock * (abs(at.sigma4) + abs(at.p)) + moved + (wide + abs(gx) + abs(gy)) * angle
 
 
 @subroutine
@@ -403,13 +413,13 @@ def lay_rise(W: Vector, rises: Rises, g: int, j: int, pool: Pool, E: Vector, pat
     given, before, errors = (
         given_of(rises.given, g * GIVEN, 0),
         pool.first[j],
-        Errors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        Errors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     )
-    n = before
+    n, rates = before, Rates(given.chi_rate, given.psi_rate, given.sigma4)
     for number in range(STRETCHES):
         stretch, start = stretch_of(rises.stretches, (g * STRETCHES + number) * STRETCH, 0), n
         if n >= 0 and stretch.length + stretch.coast > 0.0:
-            view = view_of(rises.anchors, stretch, number, given.unsure, disk.body)
+            view = view_of(rises.anchors, stretch, number, rates, given.unsure, disk.body)
             n, errors = lay(W, view, number, pool.pieces, n, before + MOST - 1, path, errors, disk)
             for k in range(start, n):
                 pool.order[k] = k if number % 2 == 0 else n - 1 - (k - start)  # laid from its end

@@ -14,9 +14,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial import legendre
 
 from kernels._jit import device, subroutine
-from kernels.arcs.nutation import make_points
 from kernels.arcs.potential import (
     END_ROWS,
     LANES,
@@ -47,6 +47,7 @@ _FIRST, _LONGEST, _GROWTH = (
 _BARELY = 1.3  # of a step: a last piece as long is not cut
 _SHORTEST = 1e-9  # of the scale at an anchor
 TAILS = 3.0  # what a series leaves out is within so many times what its last coefficients say
+_NEAR = 0.5  # in x: so far from a place at which a motion is slow K comes from V''
 _ROUNDING = 2.0 * EPSILON  # of what a speed is found from, for each unit of what K is a sum of
 # Kinds of pieces
 PLAIN, TURN, COAST = 0.0, 1.0, 2.0
@@ -119,9 +120,26 @@ class Piece(NamedTuple):
     bend: float
 
 
-class Errors(NamedTuple):
-    """Of time, angles (rad) and centre from end to end of a rise, what series leave out within, and the centre's way."""
+class Rates(NamedTuple):
+    """How fast chi and psi turn at the start of a motion, and sigma4 there, as its rise sees them.
 
+    Where rounding delays a motion, all that goes on as at the start is not seen of it at a given time. Of a motion
+    that lingers beside an equilibrium, where delays are long, hardly anything is.
+    """
+
+    chi: float
+    psi: float
+    sigma4: float
+
+
+class Errors(NamedTuple):
+    """Errors of a rise from end to end, and within.
+
+    delay: of time, from rounding; time, angle (rad), path: what else there is of these, of what does not go on as at
+    the start. time_within, angle_within, path_within: what series leave out. way: of the centre.
+    """
+
+    delay: float
     time: float
     angle: float
     path: float
@@ -139,19 +157,19 @@ LOW, PIECE = len(Low._fields), len(Piece._fields)
 HEAD = LOW + PIECE  # where the series of a piece begin
 WIDE = HEAD + SERIES * N
 # Rows of the work array: the ends, what is at the nodes, coefficients; then the nodes v and matrices.
-_D, _K, _Q, _Z, _RATIO, _SIGMA4, _SIZE, _BEND, _F0, _F1, _F2, _F3, _F4, _F5, _CHI, _SHARE, _C = range(
+_D, _K, _Q, _Z, _RATIO, _SIGMA4, _SIZE, _BEND, _F0, _F1, _F2, _F3, _F4, _F5, _CHI, _MEAN, _C = range(
     2 * END_ROWS, 2 * END_ROWS + 17 * N, N
 )
 _V = _C + SERIES * N
-_COSINES, _PLAIN, _TURN, _PLAIN_AT, _TURN_AT, _WELL = range(_V + N, _V + N + 6 * N * N, N * N)
-ROOM = _WELL + N * N
+_COSINES, _PLAIN, _TURN, _PLAIN_AT, _TURN_AT, _BENT = range(_V + N, _V + N + 6 * N * N, N * N)
+ROOM = _BENT + N * N
 
 
 def matrices() -> Vector:
     """Nodes v (N), and matrices from values there, transposed, one after another.
 
     They give coefficients of the values, of the integral from v = 0 and of that of values/sqrt(v), both of these at
-    the nodes, and the coefficients of the share of K in a narrow well (`nutation`) from V''.
+    the nodes, and from V'' the coefficients of its mean, as `bend` has it.
     """
     angle, order = (np.arange(N) + 0.5) * np.pi / N, np.arange(N)
     cosines = np.where(order == 0, 1.0, 2.0)[:, None] / N * np.cos(np.outer(order, angle))
@@ -162,8 +180,12 @@ def matrices() -> Vector:
     plain[0] = -((-1.0) ** order[1:] @ plain[1:])  # zero at v = 0
     plain, turn = plain @ cosines, turn @ cosines
     plain_at, turn_at = np.cos(np.outer(angle, order)), np.cos(np.outer(0.5 * angle, 2 * order + 1))
-    share = cosines @ make_points().twice.T[::-1, ::-1]
-    parts = 0.5 * (1.0 + np.cos(angle)), cosines, plain, turn, plain_at @ plain, turn_at @ turn, share
+    # (The mean of V'' over the way, weighted by what is left of it, at the nodes, and its coefficients.)
+    at, weights = legendre.leggauss(N)
+    at, weights, v = 0.5 * (1.0 + at), 0.5 * weights, 0.5 * (1.0 + np.cos(angle))
+    means = np.cos(order * np.arccos(2.0 * v[:, None, None] * at[:, None] - 1.0))
+    bent = cosines @ np.einsum("i,kij->kj", weights * (1.0 - at), means) @ cosines
+    parts = 0.5 * (1.0 + np.cos(angle)), cosines, plain, turn, plain_at @ plain, turn_at @ turn, bent
     return np.concatenate([part.T.ravel() for part in parts])
 
 
@@ -215,8 +237,8 @@ def tail(W: Vector, series: int) -> float:
 class View(NamedTuple):
     """A stretch as it is counted: its anchor, and the vertical behind which its points are counted from there.
 
-    sign: +1 where distances grow with time. inward: towards flat. turns: the anchor is a turning point, where V has
-    the slope `steep`. unsure: what rounding of the given state leaves unknown of the energy.
+    sign: +1 where distances grow with time. inward: towards flat. turns: the anchor is a turning point. steep: by
+    which K grows there. rates: at the start; unsure: what rounding of that leaves unknown of the energy.
     """
 
     near: Anchor
@@ -226,6 +248,7 @@ class View(NamedTuple):
     inward: bool
     turns: bool
     steep: float
+    rates: Rates
     unsure: float
 
 
@@ -277,21 +300,27 @@ def look(W: Vector, view: View, a: float, length: float, b: Body) -> None:
 
 
 @subroutine
-def share_of_well(W: Vector, view: View, b: Body) -> None:
-    """The share of K in a narrow well: K = d (apart - d) share, coefficients in 2 d/apart - 1."""
-    look(W, view, 0.0, view.stretch.apart, b)
-    multiply(W, _WELL, _BEND, _SHARE)
+def bend(W: Vector, view: View, extent: float, b: Body) -> float:
+    """The mean of V'' over the way from an anchor, weighted by what is left of it, as a series up to some extent.
+
+    K is K + steep d - mean d^2 then, where its differences from the anchor would be lost in rounding. Returns
+    `steep`, by which K grows; in a narrow well such that K vanishes at the other end.
+    """
+    look(W, view, 0.0, extent, b)
+    multiply(W, _BENT, _BEND, _MEAN)
+    return extent * total(W, _MEAN) if view.stretch.apart > 0.0 else view.steep
 
 
 @subroutine
-def by_share(W: Vector, apart: float) -> None:
-    """K at the nodes of a narrow well, where differences of V would lose it."""
+def by_bend(W: Vector, view: View, steep: float, extent: float) -> None:
+    """K at the nodes, from V''. In a narrow well it is known as well as V'' is."""
     for k in range(N):
-        u, b1, b2 = 4.0 * W[_D + k] / apart - 2.0, 0.0, 0.0
+        d, b1, b2 = W[_D + k], 0.0, 0.0
+        u = 4.0 * d / extent - 2.0
         for j in range(N - 1, 0, -1):
-            b1, b2 = (W[_SHARE + j] - b2) + u * b1, b1
-        K = W[_D + k] * (apart - W[_D + k]) * (W[_SHARE] - b2 + 0.5 * u * b1)
-        W[_K + k], W[_SIZE + k] = K, K
+            b1, b2 = (W[_MEAN + j] - b2) + u * b1, b1
+        W[_K + k] = view.near.K + d * (steep - d * (W[_MEAN] - b2 + 0.5 * u * b1))
+        W[_SIZE + k] = W[_K + k] if view.stretch.apart > 0.0 else W[_SIZE + k]
 
 
 @subroutine
@@ -342,24 +371,27 @@ def converged(W: Vector, time: float, path: bool) -> bool:
 
 
 @subroutine
-def with_piece(W: Vector, view: View, turns: bool, path: bool, before: Errors) -> Errors:
+def with_piece(W: Vector, view: View, steep: float, turns: bool, path: bool, before: Errors) -> Errors:
     """The errors of a rise with those of a piece.
 
     Where the energy is off, a turning point moves, and what is left of that in K grows with the distance from it.
     At the end of a piece as much is left out as within it.
     """
+    rates = view.rates
     for k in range(N):
-        off = view.unsure * abs(W[_K + k] / (view.steep * W[_D + k]) - 1.0) if view.turns else 0.5 * view.unsure
-        unsure = (_ROUNDING * W[_SIZE + k] + off) / W[_K + k]
-        way = W[_F0 + k] * (
-            abs(W[_SIGMA4 + k]) + W[_Q + k] * W[_F5 + k] * (math.sqrt(W[_V + k]) if turns else 1.0)
-        )
-        W[_F1 + k] = unsure * (abs(W[_F1 + k]) + abs(W[_F2 + k]))
-        W[_F3 + k], W[_F4 + k], W[_F5 + k] = unsure * W[_F0 + k], way, unsure * way
+        off = view.unsure * abs(W[_K + k] / (steep * W[_D + k]) - 1.0) if view.turns else 0.5 * view.unsure
+        unsure = (_ROUNDING * W[_SIZE + k] + (0.0 if view.stretch.apart > 0.0 else off)) / W[_K + k]
+        time, root = W[_F0 + k], math.sqrt(W[_V + k]) if turns else 1.0
+        slide = W[_Q + k] * W[_F5 + k] * root
+        chi, psi = abs(W[_F1 + k] - rates.chi * time), abs(W[_F2 + k] - rates.psi * time)
+        rolled = time * (abs(W[_SIGMA4 + k] - rates.sigma4) + slide) + chi
+        W[_F1 + k], W[_F3 + k], W[_F5 + k] = unsure * (chi + psi), unsure * time, unsure * rolled
+        W[_F4 + k] = time * (abs(W[_SIGMA4 + k]) + slide)
     weight, time, angle = 2.0 / N if turns else 1.0 / N, tail(W, TIME), tail(W, CHI) + tail(W, PSI)
     moved = max(tail(W, ACROSS), tail(W, ALONG)) if path else 0.0
     return Errors(
-        before.time + TAILS * time + weight * total(W, _F3),
+        before.delay + weight * total(W, _F3),
+        before.time + TAILS * time,
         before.angle + TAILS * angle + weight * total(W, _F1),
         before.path + TAILS * moved + weight * total(W, _F5),
         max(before.time_within, TAILS * time),
@@ -396,17 +428,16 @@ def keep_coast(W: Vector, view: View, number: int, P: Vector, at: int, b: Body) 
 
 
 @subroutine
-def view_of(anchors: Vector, stretch: Stretch, number: int, unsure: float, b: Body) -> View:
+def view_of(anchors: Vector, stretch: Stretch, number: int, rates: Rates, unsure: float, b: Body) -> View:
     """How the points of a stretch are counted: those of the stretches 0 and 2 of a rise with the time."""
     near, beyond = (
         anchor_of(anchors, int(stretch.anchor) * ANCHOR, 0),
         anchor_of(anchors, int(stretch.beyond) * ANCHOR, 0),
     )
-    sign = 1.0 if number % 2 == 0 else -1.0
-    inv = 1.0 / (1.0 + near.r * near.r)
-    q = 2.0 * near.r * inv
-    steep, _bend = slope_and_bend(q, near.w * inv, near.sigma3 / q, near.sigma4, b)
-    return View(near, beyond, stretch, sign, sign * near.face < 0.0, near.K == 0.0, abs(steep), unsure)
+    sign, inv = 1.0 if number % 2 == 0 else -1.0, 1.0 / (1.0 + near.r * near.r)
+    q, inward = 2.0 * near.r * inv, sign * near.face < 0.0
+    slope, _bend = slope_and_bend(q, near.w * inv, near.sigma3 / q, near.sigma4, b)
+    return View(near, beyond, stretch, sign, inward, near.K == 0.0, slope if inward else -slope, rates, unsure)
 
 
 @subroutine
@@ -414,24 +445,27 @@ def lay(
     W: Vector, view: View, number: int, P: Vector, n: int, most: int, path: bool, before: Errors, disk: ArcDisk
 ) -> tuple[int, Errors]:
     """The pieces of a stretch into the pool behind n others; how many there are then, or -1, and errors so far."""
-    near, length, apart = view.near, view.stretch.length, view.stretch.apart
-    scale = min(near.slow, 1.0)
+    near, length, steep, b = view.near, view.stretch.length, view.steep, disk.body
+    scale, extent = min(near.slow, 1.0), view.stretch.apart if view.stretch.apart > 0.0 else min(_NEAR, length)
+    bent = (view.stretch.apart > 0.0) | (near.slow < math.inf)
     step, a, time, turned, errors = _FIRST * scale if view.turns else scale, 0.0, 0.0, 0.0, before
     if length > 0.0:
         stand(W, 0, near, disk)
         if view.stretch.upright < math.inf:
             stand(W, END_ROWS, view.beyond, disk)
-        if apart > 0.0:
-            share_of_well(W, view, disk.body)
+        if bent:
+            steep = bend(W, view, extent, b)
     while a < length:
         L, turns = step if a + _BARELY * step < length else length - a, view.turns and a == 0.0
-        look(W, view, a, L, disk.body)
-        if apart > 0.0:
-            by_share(W, apart)
-        if integrate(W, turns, L, view.sign, path, disk.body) and converged(W, time, path):
-            turned += abs(total(W, _C + CHI)) + abs(total(W, _C + PSI))
-            time += keep(W, view, number, a, L, turns, P, n * WIDE)
-            errors = with_piece(W, view, turns, path, errors)
+        look(W, view, a, L, b)
+        if bent and a + L <= extent:
+            by_bend(W, view, steep, extent)
+        if integrate(W, turns, L, view.sign, path, b) and converged(W, time, path):
+            span = keep(W, view, number, a, L, turns, P, n * WIDE)
+            turned += abs(total(W, _C + CHI) - view.rates.chi * span) + abs(
+                total(W, _C + PSI) - view.rates.psi * span
+            )
+            errors, time = with_piece(W, view, steep, turns, path, errors), time + span
             a, n, step = a + L, n + 1, min(_GROWTH * (a + L + scale), _LONGEST)
         else:
             step = 0.5 * L
@@ -439,16 +473,17 @@ def lay(
             return -1, errors
     share = moved_by(near.K, near.slow, near.error, length) if length > 0.0 else 0.0
     if view.stretch.coast > 0.0:
-        keep_coast(W, view, number, P, n * WIDE, disk.body)
+        keep_coast(W, view, number, P, n * WIDE, b)
         n += 1
-    return n, errors_with(errors, share * time, share * turned, share * (errors.way - before.way))
+    return n, delayed(errors, share * time, share * turned, share * (errors.way - before.way))
 
 
 @device
-def errors_with(errors: Errors, time: float, angle: float, path: float) -> Errors:
-    """Errors from end to end, and some more."""
+def delayed(errors: Errors, delay: float, angle: float, path: float) -> Errors:
+    """Errors, and those of a delay."""
     return Errors(
-        errors.time + time,
+        errors.delay + delay,
+        errors.time,
         errors.angle + angle,
         errors.path + path,
         errors.time_within,
