@@ -25,7 +25,6 @@ _NARROW = 0.5  # in x: in so narrow a well K comes from V''
 # the vertical is known less well than from there.
 _SLOW = 0.3
 _FLAT_FROM = 300.0  # in x: what lies below the vertical by so much is flat
-_LEAST_WAY = 1e-30  # in x: of a motion that is steady
 _ROUNDING = 2.2e-16  # of a double
 
 
@@ -87,7 +86,7 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
         either(vertical, mirrored),
     )
     Y, far_Y, own = either(far_Y, Y), either(Y, far_Y), np.where(turned, -own, own)
-    way = np.fmax(np.where(crosses, up + above, place + left), _LEAST_WAY)
+    way = np.fmax(np.where(crosses, up + above, place + left), compiled.pieces.STEADY)
     slow = _slow_places(disk, m, e, turned, (place, left, up, above), vertical)
 
     # Signed distances from the vertical, along the rise.
@@ -145,7 +144,9 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
     # A state's height is known by its distance from turning points, its speed to rounding.
     turn, unsure = rows.rho / rows.q, _ROUNDING * disk.body.M * rows.p**2
     rates = turn, own * (rows.z * turn - rows.sigma4), own * rows.sigma4
-    given = [number, distance, coasts, own * rows.p >= 0.0, own, jump, pendulum, *rates, unsure]
+    resting = (way == compiled.pieces.STEADY) & (rows.p == 0.0)
+    grows = np.where(resting, np.sqrt(np.fmax(-_bend(disk, rows) / disk.body.M, 0.0)) / rows.q, 0.0)
+    given = [number, distance, coasts, own * rows.p >= 0.0, own, jump, pendulum, *rates, unsure, grows]
     flattened = (
         np.moveaxis(each, -2, -1).ravel()
         for each in (anchors, np.moveaxis(stretches, 2, 0).swapaxes(1, 2), np.stack(given))
@@ -187,3 +188,10 @@ def _slow_places(disk: Disk, m: ArcStarts, e: Ends, turned: Any, distances: Any,
     rows = np.flatnonzero((e.state.K > 0.0) & (2.0 * e.state.slow < np.fmin(place, left)))
     slow.note(rows, rows_of(e.state, rows), place[rows], left[rows], turned[rows])
     return slow
+
+
+def _bend(disk: Disk, rows: Rows) -> Array:
+    """V'' of states, as the kernels have it."""
+    b, turn, spin = disk.body, rows.z * rows.rho, rows.q * rows.sigma4
+    within = 2.0 * turn * (b.I1 * turn - b.I3 * spin) + b.J * b.k * spin * spin
+    return np.asarray(b.M * (rows.q * rows.rho) ** 2 + within + rows.q * (rows.z - rows.q) * (rows.z + rows.q))

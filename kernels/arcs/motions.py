@@ -60,7 +60,8 @@ class Given(NamedTuple):
     stretch, distance: where it is counted from an anchor; tan(theta/2) where it `coasts`. rises: whether theta, as
     the rise sees it, grows. face: -1 where the rise is seen in a mirror, as from the other face. jump: of chi at
     flat, 0 off F; upright: the rise ends at the other flat state. chi_rate, psi_rate, sigma4: as `Rates`. unsure:
-    what rounding of the state leaves unknown of its energy.
+    what rounding of the state leaves unknown of its energy. grows: the rate at which a motion leaves an equilibrium
+    on which it stands; else 0.
     """
 
     stretch: float
@@ -74,6 +75,7 @@ class Given(NamedTuple):
     psi_rate: float
     sigma4: float
     unsure: float
+    grows: float
 
 
 class Rises(NamedTuple):
@@ -161,6 +163,7 @@ _SERIES = _HERE + HEAD * N
 _ROWS = _HERE + WIDE * N
 _NEWTON, _ALMOST = 60, 1e-9  # steps, each of which doubles the digits; the last one has them all
 _FAST = 3.0  # rates (natural units) from which an error of the time is a larger one of angles: in a race
+_MOST_GROWN = 100.0  # of an error, by so many powers of e: nothing is known
 _HALF_TURNED = 1e-12  # rad: below, periods add up in a straight line
 OUT = 13  # what is found at a time: a state, and the errors of its time, angles and centre
 
@@ -399,7 +402,8 @@ def put_motion(
         clock += 0.0 if near else 2.0 * abs(at_time.passed) * errors.time + errors.time_within
     chi_rate = at.ratio / at.q
     turned = abs(chi_rate - given.chi_rate) + abs(at.z * chi_rate - at.sigma4 - given.psi_rate)
-    angle = rises * errors.angle + errors.angle_within + 4.0 * EPSILON * (abs(chi) + abs(psi) + 1.0)
+    grown = math.exp(min(given.grows * abs(at_time.time), _MOST_GROWN))
+    angle = rises * errors.angle + errors.angle_within + 4.0 * EPSILON * (abs(chi) + abs(psi) + grown)
     out[10] = delay * turned + clock * abs(chi_rate)
     out[11] = angle + delay * (abs(at.p) + min(turned, _FAST)) + clock * (abs(at.p) + _FAST)
     moved = rises * (errors.path + errors.way * errors.angle_within) + errors.path_within

@@ -37,6 +37,7 @@ from kernels.types import Vector
 N = LANES  # nodes and coefficients of a piece
 STRETCHES = 4  # of a rise at most: from the lower turning point, from a slow place both ways, from the upper one
 DEEP = 37.5  # in x: so far from the wall and from the vertical only tan(theta/2) changes, by rounding
+STEADY = 1e-30  # in x: how far apart the turning points of a steady motion are said to be
 MOST = 2048  # pieces of a rise: most have 2 to 40, and a path one more for every eight radians of chi
 LEFT_OUT = 1e-13  # by a series, relative to its own size or to a radian
 _FIRST, _LONGEST, _GROWTH = (
@@ -313,14 +314,18 @@ def bend(W: Vector, view: View, extent: float, b: Body) -> float:
 
 @subroutine
 def by_bend(W: Vector, view: View, steep: float, extent: float) -> None:
-    """K at the nodes, from V''. In a narrow well it is known as well as V'' is."""
+    """K at the nodes, from V''. In a narrow well it is known as well as V'' is.
+
+    A motion that is steady is anywhere within its well, also where V has no minimum there.
+    """
+    steady = view.stretch.apart == STEADY
     for k in range(N):
         d, b1, b2 = W[_D + k], 0.0, 0.0
         u = 4.0 * d / extent - 2.0
         for j in range(N - 1, 0, -1):
             b1, b2 = (W[_MEAN + j] - b2) + u * b1, b1
-        W[_K + k] = view.near.K + d * (steep - d * (W[_MEAN] - b2 + 0.5 * u * b1))
-        W[_SIZE + k] = W[_K + k] if view.stretch.apart > 0.0 else W[_SIZE + k]
+        K = view.near.K + d * (steep - d * (W[_MEAN] - b2 + 0.5 * u * b1))
+        W[_K + k], W[_SIZE + k] = abs(K) if steady else K, K if view.stretch.apart > 0.0 else W[_SIZE + k]
 
 
 @subroutine
@@ -469,7 +474,7 @@ def lay(
             a, n, step = a + L, n + 1, min(_GROWTH * (a + L + scale), _LONGEST)
         else:
             step = 0.5 * L
-        if n >= most or step < _SHORTEST * scale:
+        if n >= most or not step > _SHORTEST * scale:
             return -1, errors
     share = moved_by(near.K, near.slow, near.error, length) if length > 0.0 else 0.0
     if view.stretch.coast > 0.0:
