@@ -3,7 +3,7 @@
 import html
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, shown
-from explorer.phase.columns import COLUMNS, SI
+from explorer.phase.columns import COLUMNS, SI, Column
 from explorer.phase.disk import Disk
 
 if TYPE_CHECKING:
@@ -69,6 +69,7 @@ class Shaped:
 
     def at(self, rows: NDArray[np.intp]) -> Self:
         """Some of the samples in a row, by their numbers among all."""
+        rows = np.arange(self.size)[rows]
         arrays = {name: v.reshape(self.size, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
         states = getattr(self, "states", None)
         if states is not None:
@@ -151,19 +152,6 @@ class Table(Shaped):
         more = (1,) * (len(self.shape) - len(shape))
         return np.broadcast_to(np.reshape(values, (*shape, *more)), self.shape)
 
-    def _flat(self) -> dict[str, NDArray[Any]]:
-        """Columns with one entry for each sample; a vector becomes several, `path` path_x, path_y and path_z."""
-        flat: dict[str, NDArray[Any]] = {}
-        for name, values in self.columns.items():
-            entries = values.shape[len(self.shape) :]
-            for place in np.ndindex(entries):
-                letters = [_AXES[n][i] if n in _AXES else str(i) for i, n in zip(place, entries, strict=True)]
-                entry = "_".join([name, *letters])
-                if entry in flat or (letters and entry in self.columns):
-                    raise InputError(f"a table would have two columns {shown(entry)}; give arrays other names")
-                flat[entry] = values[(..., *place)].ravel()
-        return flat
-
     def to_pandas(self) -> "pd.DataFrame":
         """A DataFrame with one row for each sample, in the order of flattened arrays; status by name."""
         frame = self.to_arrow().to_pandas()
@@ -173,7 +161,7 @@ class Table(Shaped):
 
     def to_arrow(self) -> "pa.Table":
         """The table of `to_pandas`, in Arrow; the metadata of each field states its meaning, unit and equation."""
-        return to_arrow(self._flat())
+        return to_arrow(self.columns, len(self.shape))
 
     def _good(self) -> NDArray[np.bool_]:
         """Samples whose numbers the description speaks of."""
@@ -285,21 +273,28 @@ def status_codes(names: NDArray[Any]) -> NDArray[np.int8]:
     return np.array([_NAMES.index(str(name)) for name in known], dtype=np.int8)[place]
 
 
-def to_arrow(columns: dict[str, NDArray[Any]]) -> "pa.Table":
-    """An Arrow table of columns, status by name, with meaning, unit and equation in the metadata of known ones."""
+def to_arrow(columns: dict[str, NDArray[Any]], axes: int = 1, known: Mapping[str, Column] = COLUMNS) -> "pa.Table":
+    """An Arrow table of columns, status by name, with meaning, unit and equation in the metadata of known ones.
+
+    axes: how many the samples have. What has more is a vector, whose entries become columns, of `path` path_x,
+    path_y and path_z. known: what columns mean, by name.
+    """
     import pyarrow as pa  # loaded only by those who ask for a table
 
-    arrays, kinds = [], []
+    arrays, kinds = dict[str, Any](), []
     for name, values in columns.items():
-        if name == "status" and values.dtype.kind in "iu":
-            codes = _arrow_array(values.astype(np.int8))
-            array = pa.DictionaryArray.from_arrays(codes, _arrow_texts(_NAMES))
-        else:
-            array = _arrow_array(values)
-        known = COLUMNS.get(name) or COLUMNS.get(name.rpartition("_")[0])
-        arrays.append(array)
-        kinds.append(pa.field(name, array.type, metadata=known.texts if known else None))
-    return pa.Table.from_arrays(arrays, schema=pa.schema(kinds))
+        texts, entries = known[name].texts if name in known else None, values.shape[axes:]
+        for place in np.ndindex(entries):
+            letters = [_AXES[n][i] if n in _AXES else str(i) for i, n in zip(place, entries, strict=True)]
+            entry = "_".join([name, *letters])
+            if entry in arrays or (letters and entry in columns):
+                raise InputError(f"a table would have two columns {shown(entry)}; give arrays other names")
+            array = _arrow_array(values[(..., *place)])
+            if name == "status" and values.dtype.kind in "iu":
+                array = pa.DictionaryArray.from_arrays(array.cast(pa.int8()), _arrow_texts(_NAMES))
+            arrays[entry] = array
+            kinds.append(pa.field(entry, array.type, metadata=texts))
+    return pa.Table.from_arrays([*arrays.values()], schema=pa.schema(kinds))
 
 
 def _arrow_array(values: NDArray[Any]) -> "pa.Array":

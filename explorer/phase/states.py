@@ -49,7 +49,7 @@ class Rows(NamedTuple):
     sigma4: Array
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class States(WithStatus):
     """States of one disk, as the kernels take them: what `phi_to_states` and similar functions return.
 
