@@ -137,7 +137,7 @@ def parser_of(name: str, words: Sequence[str] = ()) -> Parser:
     module = import_module(f"explorer.commands.{home}")
     module.add_arguments(parser, words)
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout and nothing else")
-    parser.add_argument("--quiet", action="store_true", help="no progress and no notes")
+    parser.add_argument("-q", "--quiet", action="store_true", help="no progress and no notes")
     parser.set_defaults(call=module.call, command=name)
     return parser
 

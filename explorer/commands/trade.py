@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from explorer.commands import Answer
-from explorer.errors import note
+from explorer.errors import InputError, note
 from explorer.measure.sampling import Range
 from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.passages import Passages, reference_passages
@@ -17,7 +17,7 @@ from explorer.paths import own_folder
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.states import States
-from explorer.scenes.options import BOX, DISK, RANGE, TRUTH, Options, option, whole_from
+from explorer.scenes.options import BOX, DISK, RANGE, TRUTH, Options, option, seeded, whole_from
 from explorer.scenes.race_angles import RaceAngles, start_of
 from explorer.scenes.scene import joined
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT
@@ -38,7 +38,7 @@ class TradeOptions(Options):
     disk: Disk = option(DISK, f"disk: {SYNTAX}", default=Disk.uniform())
     # The time of fewer is mostly that of the call.
     samples: int = option(whole_from(256), "number of passages", default=4096)
-    seed: int = option(whole_from(0, 2**128 - 1, "S"), "seed of the random streams", default=0)
+    seed: int = seeded()
     box: Any = option(BOX, BOX_NEAR_F, words="phidot=0.5:2,sigma3=-2:2 in natural units")
     eta_hat: Range = option(
         RANGE,
@@ -59,6 +59,10 @@ class TradeOptions(Options):
         scene = self.scene
         samples = joined([block for index in range(scene.chunks) for block in scene.blocks(index)])
         exact = reference_passages(self.disk, starts_at_vertical(self.disk, *start_of(samples)))
+        if not exact.ok.any():
+            raise InputError(
+                "box: none of these passages is known; give phidot above 0 and below 1e75 natural units"
+            )
         return coordinates_to_states(self.disk, degrees=False, **samples), exact
 
 

@@ -26,7 +26,7 @@ from explorer.motion.plan import METHODS, Plan, plan
 from explorer.paths import path_of, read_toml
 from explorer.phase.columns import Column
 from explorer.phase.disk import SYNTAX, Disk
-from explorer.scenes.options import DISK, NUMBER, Options, Reader, option, options_of, whole_from, word_of
+from explorer.scenes.options import DISK, NUMBER, Options, Reader, option, options_of, seeded, whole_from, word_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -60,7 +60,7 @@ class Scene(Options, ABC):
     """Options of every scene."""
 
     disk: Disk = option(DISK, f"disk: {SYNTAX}", default=Disk.uniform(), key="disks")
-    seed: int = option(whole_from(0, 2**128 - 1, "S"), "seed of the random streams", default=0)
+    seed: int = seeded()
     accuracy: float = option(
         NUMBER._replace(metavar="TOL"),
         "largest error accepted: absolute for angles (rad), relative for times and tilts",
