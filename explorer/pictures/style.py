@@ -167,14 +167,16 @@ def legend_below(ax: Axes, ncols: int = 2, **options: Any) -> None:
 
 def legend_of_all(figure: Figure, panels: Iterable[Axes], ncols: int = 2, more: Iterable[Artist] = ()) -> None:
     """A legend under a figure, of all that its panels name, and more."""
-    named = {label: each for ax in panels for each, label in zip(*ax.get_legend_handles_labels(), strict=True)}
-    handles = by_rows([*more, *named.values()], ncols)
+    handles = by_rows([*more, *(each for ax in panels for each in ax.get_legend_handles_labels()[0])], ncols)
     figure.legend(handles=handles, loc="outside lower center", fontsize=SMALL, frameon=False, ncols=ncols)
 
 
-def by_rows(entries: Sequence[Any], ncols: int) -> list[Any]:
-    """Entries in the order in which matplotlib, which fills columns, puts them one after another into rows."""
-    return [each for column in range(ncols) for each in entries[column::ncols]]
+def by_rows(entries: Iterable[Any], ncols: int) -> list[Any]:
+    """Entries in the order in which matplotlib, which fills columns, puts them into rows; each label once."""
+    named: dict[str, Any] = {}
+    for each in entries:
+        named.setdefault(each.get_label(), each)
+    return [each for column in range(ncols) for each in [*named.values()][column::ncols]]
 
 
 def arrow(ax: Axes, path: Array, row: int, colour: str, size: float = 17.0) -> None:
