@@ -7,11 +7,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from urllib.parse import quote
 
-from PIL import Image
+from PIL import ExifTags, Image
 
 from explorer.pictures.register import Caption, Question
-
-_EXIF_DESCRIPTION = 0x010E  # where WebP carries its caption
 
 
 def full_size(picture: Path) -> Path:
@@ -26,7 +24,7 @@ def caption_in(path: Path) -> Caption | None:
         with Image.open(path) as picture:
             found = picture.info.get("Description") or picture.info.get("comment")
             # Pillow reads what EXIF holds as Latin-1.
-            found = found or picture.getexif().get(_EXIF_DESCRIPTION, "").encode("latin-1")
+            found = found or picture.getexif().get(ExifTags.Base.ImageDescription, "").encode("latin-1")
     except (OSError, ValueError, Image.DecompressionBombError):  # it is no picture, or one that fills the memory
         return None
     question, _, text = (found.decode("utf-8") if isinstance(found, bytes) else str(found)).partition("\n")

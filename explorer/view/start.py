@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from explorer import compiled
-from explorer.errors import InputError, number, shown, whole
+from explorer.errors import InputError, number, sign, whole
 from explorer.motion.bounces import Bounces
 from explorer.motion.limit_motions import LimitMotion
 from explorer.motion.starts import status_at_start
@@ -72,9 +72,7 @@ def start_at_vertical(disk: Disk, given: AtVertical) -> Start:
         return number(name, value, -_LARGEST * unit, _LARGEST * unit) / unit
 
     rates = {name: natural(name) for name in _PASSAGE}
-    facing = whole("face", _USUAL.face if given.face is None else given.face, -1, 1)
-    if facing == 0:
-        raise InputError(f"face = {shown(given.face)} must be +1 or -1")
+    facing = sign("face", _USUAL.face if given.face is None else given.face)
     _require_side(rates["eta_hat"], "eta_hat")
     return Start(rates["sigma3_bar"], rates["eta_hat"], rates["phidot"], facing)
 
