@@ -16,10 +16,10 @@ from explorer.motion.work_precision import Trade, measure
 from explorer.paths import own_folder
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import SYNTAX, Disk
+from explorer.phase.results import stacked
 from explorer.phase.states import States
 from explorer.scenes.options import BOX, DISK, RANGE, TRUTH, Options, option, seeded, whole_from
 from explorer.scenes.race_angles import RaceAngles, start_of
-from explorer.scenes.scene import joined
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT
 
 _OUT = Path("results/trade")
@@ -57,7 +57,7 @@ class TradeOptions(Options):
     def drawn(self) -> tuple[States, Passages]:
         """The states that the scene draws, and their true passages, where these are ok."""
         scene = self.scene
-        samples = joined([block for index in range(scene.chunks) for block in scene.blocks(index)])
+        samples = stacked([block for index in range(scene.chunks) for block in scene.blocks(index)])
         exact = reference_passages(self.disk, starts_at_vertical(self.disk, *start_of(samples)))
         if not exact.ok.any():
             raise InputError(

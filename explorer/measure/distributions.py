@@ -20,6 +20,7 @@ from explorer.phase.arguments import read_range, returned_numbers
 from explorer.phase.coordinates import KNOWN, Chart, angle_unit, chart_of, recognise, warn_of_degrees
 from explorer.phase.disk import Disk
 from explorer.phase.linear_constants import line_chart, line_slope
+from explorer.phase.results import stacked
 from explorer.phase.states import COORDINATES, Array, States
 
 ANY_ENERGY: Range = (-math.inf, math.inf)
@@ -370,7 +371,7 @@ class Distribution:
                 raise InputError(
                     f"{what}: only {have} of {tried} draws from the box were kept; widen it or shrink the box"
                 )
-        return {name: np.concatenate([part[name] for part in kept])[:count] for name in kept[0]}
+        return {name: values[:count] for name, values in stacked(kept).items()}
 
     def _kept(self, drawn: dict[str, Array], random: Stream) -> NDArray[np.bool_]:
         """Which draws from the laws rejection keeps."""

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
 
+Columns = dict[str, NDArray[Any]]  # by name, of one length
 Status = compiled.status.Status
 _NAMES = [code.name.lower() for code in Status]
 _SHOWN = 6  # columns whose medians the description gives: what fits on a screen beside code
@@ -208,6 +209,7 @@ class Table(Shaped):
 
 
 R = TypeVar("R", bound="Result")
+S = TypeVar("S", bound=np.generic)
 
 
 class Result(WithStatus, Table):
@@ -250,9 +252,12 @@ def joined(parts: Sequence[R]) -> R:
     """The results of parts of samples, one after another along their first axis."""
     if len(parts) == 1:
         return parts[0]
-    arrays = [part._arrays() for part in parts]
-    columns = {name: np.concatenate([each[name] for each in arrays]) for name in arrays[0]}
-    return replace(parts[0], **columns)  # type: ignore[type-var]
+    return replace(parts[0], **stacked([part._arrays() for part in parts]))  # type: ignore[type-var]
+
+
+def stacked(tables: Sequence[dict[str, NDArray[S]]]) -> dict[str, NDArray[S]]:
+    """Tables with the same columns, one below the other."""
+    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
 
 def unit_of(name: str, disk: Disk | None = None) -> str:

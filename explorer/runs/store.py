@@ -28,9 +28,9 @@ from explorer.errors import RunError, shorten
 from explorer.motion.threads import require_wanted
 from explorer.paths import on_disk
 from explorer.phase.columns import COLUMNS
-from explorer.phase.results import status_codes, to_arrow
+from explorer.phase.results import Columns, status_codes, to_arrow
 from explorer.runs.machine import arithmetic
-from explorer.scenes.scene import Scene, Table
+from explorer.scenes.scene import Scene
 
 NAME = r"chunk-[0-9]{6}-[0-9a-f]{16}\.parquet"
 BEGUN = rf"\.({NAME}|run\.json|summary\.json)\.[0-9]+\.tmp"  # while it is written
@@ -182,7 +182,7 @@ def _noted(file: pq.ParquetFile) -> dict[str, Any]:
     return dict(json.loads(metadata[_NOTE]))
 
 
-def table_of(arrow: pa.Table) -> Table:
+def table_of(arrow: pa.Table) -> Columns:
     """Rows as arrays."""
     return {name: _values(arrow.column(name)) for name in arrow.column_names}
 
@@ -196,7 +196,7 @@ def _values(column: pa.ChunkedArray) -> NDArray[Any]:
     return np.asarray(codes[np.asarray(names.indices)])
 
 
-def digest_of(table: Table, tally: dict[str, Any]) -> str:
+def digest_of(table: Columns, tally: dict[str, Any]) -> str:
     """SHA-256 over the kept rows and the counts of all: equal digests are equal numbers."""
     digest = hashlib.sha256(json.dumps(tally, sort_keys=True).encode())
     for name, values in table.items():

@@ -20,19 +20,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer import compiled
 from explorer.errors import InputError, double_of, number, said, shorten
 from explorer.paths import path_of
 from explorer.phase.columns import COLUMNS
 from explorer.phase.constants import constants
 from explorer.phase.coordinates import CHARTS, KNOWN, Chart, angle_unit, recognise
 from explorer.phase.disk import Disk
+from explorer.phase.results import Columns
 from explorer.phase.states import COORDINATES, Array, States
 
 if TYPE_CHECKING:
     import pyarrow as pa
-
-Columns = dict[str, NDArray[Any]]
 
 _PARQUET, _GZIP = b"PAR1", b"\x1f\x8b"  # how such files begin
 _HEAD = 1 << 16  # characters of a CSV file that show how it is written
@@ -263,8 +261,7 @@ class GivenStates:
 
 def coordinates_of(states: States) -> Columns:
     """phi, phidot, sigma3, sigma4 in the units of the disk; NaN where there is no state."""
-    good = states.status != compiled.status.Status.BAD_INPUT
-    return {name: np.where(good, getattr(states, name), np.nan) for name in COORDINATES}
+    return {name: getattr(states, name) for name in COORDINATES}
 
 
 def _require_still(what: str, path: Path, stamps: tuple[Any, ...]) -> None:

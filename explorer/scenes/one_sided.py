@@ -23,9 +23,10 @@ from explorer.motion.plan import TIGHTEST
 from explorer.motion.trajectories import trajectories_by
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.results import Columns, stacked
 from explorer.phase.states import Array
 from explorer.scenes.options import BOX, DISK, NUMBER, RANGE, option, plain
-from explorer.scenes.scene import SAMPLES, Counts, Picture, Scene, Table, joined
+from explorer.scenes.scene import SAMPLES, Counts, Picture, Scene
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, box_near_f, check_eta_hat, starts_near_f
 
 BLOCK = 8  # starts per chunk
@@ -125,18 +126,18 @@ class OneSided(Scene):
     def kernels(self) -> tuple[str, ...]:
         return *limit_motions.KERNELS, self.plan.in_time.kernel
 
-    def chunk(self, index: int) -> tuple[Table, Approach]:
+    def chunk(self, index: int) -> tuple[Columns, Approach]:
         (disk, first, _), tally = self.parts[index], Approach()
         tables = [self._approach(disk, first + i, start) for i, start in enumerate(self.starts(index))]
         for table in tables:
             distance, chi = (table[name].reshape(2, -1) for name in ("distance", "chi_between"))
             tally.distances[disk.name] += [plain(distance)]
             tally.apart[disk.name] += plain(chi[:1, -1] - chi[1:, -1])
-        table = joined(tables)
+        table = stacked(tables)
         tally.status += count_status(table["status"])
         return table, tally
 
-    def _approach(self, disk: Disk, base: int, start: dict[str, float]) -> Table:
+    def _approach(self, disk: Disk, base: int, start: dict[str, float]) -> Columns:
         """All rungs of the ladder, both signs, beside one point of F."""
         eta_hat = np.concatenate([self.ladder(disk), -self.ladder(disk)])
         limits = limits_from(coordinates_to_states(disk, degrees=False, eta_hat=0.0, **start))
@@ -145,7 +146,7 @@ class OneSided(Scene):
         motion = trajectories_by(beside, self.plan, times, QUANTITIES)
         assert motion.chi is not None
         fixed = {"base": base, "sigma3_bar": start["sigma3_bar"], "phidot": start["phidot"]}
-        columns: Table = {name: np.full(eta_hat.size, value) for name, value in fixed.items()}
+        columns: Columns = {name: np.full(eta_hat.size, value) for name, value in fixed.items()}
         columns |= {"eta_hat": eta_hat, "status": motion.status}
         both = [limits[side](times) for side in SIDES.values()]  # every rung of a side has the same
         for name in QUANTITIES:

@@ -13,10 +13,11 @@ from explorer.measure.distributions import ANY_ENERGY, Coordinate, Distribution,
 from explorer.measure.sampling import Range, Stream, numbered_stream, signs
 from explorer.measure.tallies import count_status
 from explorer.phase.disk import SYNTAX, Disk, require_axial_inertia
+from explorer.phase.results import Columns
 from explorer.phase.states import COORDINATES, Array, States
 from explorer.scenes.given_states import Block, GivenStates, coordinates_of
 from explorer.scenes.options import BOX, DENSITY, DISK, OPEN_RANGE, TRUTH, Reader, option
-from explorer.scenes.scene import SAMPLES, SampledScene, Table
+from explorer.scenes.scene import SAMPLES, SampledScene
 
 _LOOKED_AT = 1_000_000  # rows of given states, when those are named that are none
 # In natural units: where doubles still have all their digits, and where "near F" loses its meaning.
@@ -66,7 +67,7 @@ class FromDensity(SampledScene):
     def as_json(self) -> dict[str, Any]:
         return {**super().as_json(), "density": self.density and self.source.describe_weight()}
 
-    def draw(self, random: Stream, count: int) -> Table:
+    def draw(self, random: Stream, count: int) -> Columns:
         return self.source.draw(random, count)
 
 

@@ -219,6 +219,14 @@ def test_the_single_motions_of_a_call_may_have_any_shape_of_one_entry():
         np.testing.assert_array_equal(getattr(some[0], name), getattr(some[2], name))
 
 
+def test_what_is_a_single_one_has_no_axis():
+    constant = ex.falling_constant(UNIFORM)
+    assert (constant.shape, constant.size, len(constant.to_pandas())) == ((), 1, 1)
+    assert ex.circular_rolling(UNIFORM, 0.3, 2.0).shape == ()
+    with pytest.raises(TypeError, match="single sample"):
+        len(constant)
+
+
 def test_the_centre_after_each_period_has_a_last_axis_for_the_periods():
     for shape in ((), (3,), (2, 3)):
         assert ex.wander(states_of(shape)).after(4).shape == (*shape, 5)
