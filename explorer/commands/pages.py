@@ -41,7 +41,7 @@ def write_page(folder: Path, title: str, made_by: str, parts: Iterable[tuple[str
     """Write the README.md of a folder. parts: heading, lines of text, and pictures, which bring their captions."""
     lines = [f"# {title}", "", f"Made by {made_by}"]
     for heading, text, pictures in parts:
-        lines += ["", f"## {heading}", "", *text]
+        lines += ["", f"## {heading}", *([""] if text else []), *text]
         lines += [line for picture in pictures for line in ("", *picture_lines(picture, folder))]
     (folder / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
