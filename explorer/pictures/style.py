@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from explorer.phase.columns import ANGLE, COLUMNS, ENERGY
 from explorer.phase.coordinates import ANGULAR
@@ -48,6 +49,7 @@ FALLS, BOUNCES, UNSTABLE = "#C9BFD9", "#F8F6EE", "#D9D4C5"
 
 HALF_PI = 0.5 * np.pi
 FLAT_TICKS = ([-HALF_PI, -0.5, 0.0, 0.5, HALF_PI], ["−π/2", "−0.5", "0", "0.5", "π/2"])
+HALO = [withStroke(linewidth=2.5, foreground="#FFFFFFB0")]  # of words that stand on colours
 BEYOND = "beyond"  # gid of what marks data outside the axes
 _SYMBOLS = {
     "phi": r"$\varphi$",
