@@ -20,7 +20,7 @@ from explorer.phase.results import stacked
 from explorer.phase.states import States
 from explorer.scenes.options import BOX, DISK, RANGE, TRUTH, Options, option, seeded, whole_from
 from explorer.scenes.race_angles import RaceAngles, start_of
-from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT
+from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, eta_hat_span
 
 _OUT = Path("results/trade")
 _ABOUT = """The passages are computed by `compare` at each accuracy. Times are on the clock, for one core, without
@@ -44,7 +44,7 @@ class TradeOptions(Options):
         RANGE,
         ETA_HAT,
         words="1e-8:1 natural units",
-        follows=lambda self, given: given or (1e-8 * self.disk.rate_unit, self.disk.rate_unit),
+        follows=lambda self, given: eta_hat_span(self.disk, given, (1e-8, 1.0)),
     )
     progress: bool = option(TRUTH._replace(metavar=None), "False prints nothing", default=True)
 

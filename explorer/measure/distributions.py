@@ -71,6 +71,8 @@ class Coordinate:
         """From a distribution, a range, a number, or text such as "norm:20:2". Raises InputError, with `what`."""
         named = f"{what} {name}".lstrip()
         if all(hasattr(given, word) for word in _OF_FROZEN) and not hasattr(given, "freeze"):
+            if np.ndim(given.support()[0]):
+                raise InputError(f"{named} = {shown(given)}: its parameters are arrays; give numbers")
             low, high = map(float, given.support())
             return cls(name, low, high, unit, given, _text_of(given))
         if isinstance(given, str) and given[:1].isalpha() and double_of(given) is None:

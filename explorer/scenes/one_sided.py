@@ -16,18 +16,18 @@ from explorer.errors import InputError
 from explorer.measure.distributions import Distribution
 from explorer.measure.races import SIDES
 from explorer.measure.sampling import Range, numbered_stream
-from explorer.measure.tallies import ByName, count_status
+from explorer.measure.tallies import ByName
 from explorer.motion import limit_motions
 from explorer.motion.both_sides import QUANTITIES, both_sides, limits_from, sample_times
 from explorer.motion.plan import TIGHTEST
 from explorer.motion.trajectories import trajectories_by
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.results import Columns, stacked
+from explorer.phase.results import Columns, count_status, stacked
 from explorer.phase.states import Array
 from explorer.scenes.options import BOX, DISK, NUMBER, RANGE, option, plain
 from explorer.scenes.scene import SAMPLES, Counts, Picture, Scene
-from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, box_near_f, check_eta_hat, starts_near_f
+from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, box_near_f, eta_hat_span, starts_near_f
 
 BLOCK = 8  # starts per chunk
 # A distance from the limit is some eta ln(1/eta), and a motion errs by up to fifty times its accuracy where its
@@ -82,13 +82,13 @@ class OneSided(Scene):
         super().__post_init__()
         for disk in self.disk:
             require_axial_inertia(disk)
-            check_eta_hat(self.span(disk), disk)
+            self.span(disk)
         if len({disk.name for disk in self.disk}) < len(self.disk):
             raise InputError("disk: one-sided needs different names; name disks in TOML files")
 
     def span(self, disk: Disk) -> Range:
         """|eta_hat| in the units of the disk; 1e-6 to 1e-1 natural units unless given."""
-        return self.eta_hat or (1e-6 * disk.rate_unit, 1e-1 * disk.rate_unit)
+        return eta_hat_span(disk, self.eta_hat, (1e-6, 1e-1))
 
     @property
     def fine_enough(self) -> float:

@@ -36,7 +36,7 @@ from explorer.phase.results import Columns
 from explorer.phase.states import Array
 from explorer.scenes.options import BOX, RANGE, option, whole_from, word_of
 from explorer.scenes.scene import Counts, Picture, SampledScene
-from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, FromStates, box_near_f, check_eta_hat, starts_near_f
+from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, FromStates, box_near_f, eta_hat_span, starts_near_f
 
 # What is stored of a passage and of a bounce, as fields of `Passages` and `Bounces`.
 _OF_PASSAGE = (
@@ -135,9 +135,7 @@ class RaceAngles(FromStates):
     def eta_hat_of(self, given: Range | None) -> Range | None:
         """The range of distances from F; None of states anywhere, which have them of themselves."""
         if self.start == "near":
-            span = given or (1e-6 * self.disk.rate_unit, 1e-2 * self.disk.rate_unit)
-            check_eta_hat(span, self.disk)
-            return span
+            return eta_hat_span(self.disk, given, (1e-6, 1e-2))
         if given is not None:
             raise InputError(
                 "eta_hat: is for start near; leave it out, or give start near (states, energy, density, and a box "

@@ -11,9 +11,8 @@ from explorer import compiled
 from explorer.errors import InputError
 from explorer.measure.distributions import ANY_ENERGY, Coordinate, Distribution, Weight
 from explorer.measure.sampling import Range, Stream, numbered_stream, signs
-from explorer.measure.tallies import count_status
 from explorer.phase.disk import SYNTAX, Disk, require_axial_inertia
-from explorer.phase.results import Columns
+from explorer.phase.results import Columns, count_status
 from explorer.phase.states import COORDINATES, Array, States
 from explorer.scenes.given_states import Block, GivenStates, coordinates_of
 from explorer.scenes.options import BOX, DENSITY, DISK, OPEN_RANGE, TRUTH, Reader, option
@@ -207,12 +206,16 @@ def starts_near_f(box: Distribution, random: Stream, count: int) -> dict[str, Ar
     return {"phidot": face * columns["phidot"], "sigma3_bar": columns["sigma3"], "face": face}
 
 
-def check_eta_hat(span: Range, disk: Disk) -> None:
-    """Raise InputError unless low <= high are magnitudes that lie near F, in the units of the disk."""
-    low, high = span
+def eta_hat_span(disk: Disk, given: Range | None, usual: Range) -> Range:
+    """Magnitudes low <= high near F, in the units of the disk: as given, or the usual ones of natural units.
+
+    Raises InputError.
+    """
+    low, high = given or (usual[0] * disk.rate_unit, usual[1] * disk.rate_unit)
     nearest, furthest = (limit * disk.rate_unit for limit in _NEAR_F)
     if not nearest <= low <= high <= furthest:
         raise InputError(
             f"eta_hat {low:g}:{high:g}: give LOW:HIGH with {nearest:g} <= LOW <= HIGH <= {furthest:g}; "
             "scene one-sided has the limits at 0"
         )
+    return low, high
