@@ -2,7 +2,6 @@
 
 import html
 import math
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
@@ -83,6 +82,11 @@ class Shaped:
         arrays = {name: in_shape(values, shape) for name, values in self._arrays().items()}
         return self._with(arrays, None if states is None else states.reshaped(shape))
 
+    def _title(self) -> str:
+        """What the description calls it."""
+        shape = " x ".join(map(str, self.shape))
+        return f"{type(self).__name__} of {self.size:,}" + (f" ({shape})" if len(self.shape) > 1 else "")
+
     def _arrays(self) -> dict[str, NDArray[Any]]:
         """All arrays of this object by name, also where they have a single entry and no axis."""
         named = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
@@ -120,8 +124,14 @@ class WithStatus(Shaped):
 
     def _counted(self) -> str:
         """How many samples have each status, in words."""
-        counts = Counter(np.ravel(self.status_names).tolist())
+        counts = count_status(np.ravel(self.status))
         return ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "none"
+
+
+def count_status(status: NDArray[np.int8]) -> dict[str, int]:
+    """Number of samples that ended in each status, for those that occur; names in lower case."""
+    counts = np.bincount(status, minlength=len(Status)).tolist()
+    return {name: count for name, count in zip(_NAMES, counts, strict=True) if count}
 
 
 def require_ok(found: WithStatus, what: str) -> None:
@@ -191,10 +201,6 @@ class Table(Shaped):
             if ranges:
                 lines.append((name, "; ".join(ranges)))
         return lines
-
-    def _title(self) -> str:
-        shape = " x ".join(map(str, self.shape))
-        return f"{type(self).__name__} of {self.size:,}" + (f" ({shape})" if len(self.shape) > 1 else "")
 
     def __repr__(self) -> str:
         return "\n".join([self._title(), *(f"  {name}: {text}" for name, text in self._lines())])

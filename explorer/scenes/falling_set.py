@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 
 from explorer.measure import statistics
 from explorer.measure.slices import ConstantsPlane, Slice, slice_map
-from explorer.measure.tallies import ByName, Least, LogHistogram, count_status
+from explorer.measure.tallies import ByName, Least, LogHistogram
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import falling_set
 from explorer.phase.constants import constants
 from explorer.phase.energy import eta_to_eta_hat
 from explorer.phase.falling_set import Location, located
 from explorer.phase.linear_constants import rows_of
-from explorer.phase.results import Columns, stacked
+from explorer.phase.results import Columns, count_status, stacked
 from explorer.phase.states import COORDINATES, Array, States, joined_states
 from explorer.scenes.given_states import Block
 from explorer.scenes.options import Reader, option, whole_from, word_of

@@ -20,12 +20,12 @@ from explorer.measure.falling_constant import FallingConstant, constant_of
 from explorer.measure.importance_sampling import FEWEST, KERNELS, NearFallingSet, Rare
 from explorer.measure.laws import Estimate, Law
 from explorer.measure.sampling import Range, Stream, numbered_stream
-from explorer.measure.tallies import Histogram, count_status
+from explorer.measure.tallies import Histogram
 from explorer.measure.tubes import may_come
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase.arguments import read_range
 from explorer.phase.energy import eta_to_eta_hat
-from explorer.phase.results import Columns, stacked
+from explorer.phase.results import Columns, count_status, stacked
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.scenes.options import Reader, option, whole_from
 from explorer.scenes.scene import SAMPLES, Counts, Picture

@@ -21,13 +21,13 @@ from numpy.typing import NDArray
 
 from explorer.errors import InputError, RunError, one_of, said, shown, suggest, whole
 from explorer.measure.sampling import PER_STREAM, Stream, numbered_stream
-from explorer.measure.tallies import ByName, Tally, count_status
+from explorer.measure.tallies import ByName, Tally
 from explorer.motion.plan import METHODS, Plan, plan
 from explorer.paths import path_of, read_toml
 from explorer.phase.columns import Column
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.results import Columns as Columns
-from explorer.phase.results import stacked
+from explorer.phase.results import count_status, stacked
 from explorer.scenes.options import DISK, NUMBER, Options, Reader, option, options_of, seeded, whole_from, word_of
 
 if TYPE_CHECKING:
