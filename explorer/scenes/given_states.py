@@ -26,7 +26,7 @@ from explorer.phase.columns import COLUMNS
 from explorer.phase.constants import constants
 from explorer.phase.coordinates import CHARTS, KNOWN, Chart, angle_unit, recognise
 from explorer.phase.disk import Disk
-from explorer.phase.results import Columns
+from explorer.phase.results import Columns, Table
 from explorer.phase.states import COORDINATES, Array, States
 
 if TYPE_CHECKING:
@@ -308,8 +308,8 @@ def _table(given: Any, what: str) -> "pa.Table":
     """
     import pyarrow as pa
 
-    if isinstance(getattr(given, "columns", None), Mapping):  # a result of a call
-        given = {name: values.ravel() for name, values in given.columns.items()}
+    if isinstance(given, Table):  # a result of a call
+        return given.to_arrow()
     try:
         if hasattr(given, "to_frame") and hasattr(given, "iloc"):  # a row of a frame of pandas
             if given.name in KNOWN or {*map(type, given.index)} != {str}:

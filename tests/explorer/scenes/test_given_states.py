@@ -533,3 +533,12 @@ def test_a_csv_file_that_is_replaced_while_it_is_read_is_refused(tmp_path, monke
     monkeypatch.setattr(given_states, "_csv", replaced)
     with pytest.raises(ex.InputError, match="was changed or replaced meanwhile"):
         GivenStates.of("states", table)
+
+
+def test_a_result_of_any_shape_is_a_table_of_its_states():
+    states = ex.phi_to_states(ex.Disk.uniform(), [[0.1], [0.2]], 1.0, [0.8, 0.9, 1.0], 0.7)
+    scanned = ex.scan(states, lambda some: {"mine": np.stack([some.phi, some.sigma3], axis=1), "one": some.phi})
+    for found, own in ((scanned, ["mine_0", "mine_1", "one"]), (ex.wander(states), ["shift_x", "shift_y"])):
+        table = ex.run("falling-set", states=found, keep="all", progress=False).frame()
+        np.testing.assert_array_equal(table["sigma3"], found.to_pandas()["sigma3"])
+        assert {name.removeprefix("given_") for name in table} >= {*own}
