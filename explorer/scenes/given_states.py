@@ -52,7 +52,7 @@ class Block(NamedTuple):
     columns: Columns
     own: Columns
 
-    def at(self, rows: NDArray[np.intp]) -> "Block":
+    def at(self, rows: NDArray[np.intp] | slice) -> "Block":
         """Some of the states."""
         columns, own = ({name: values[rows] for name, values in part.items()} for part in self[1:])
         return Block(self.states.at(rows), columns, own)

@@ -11,6 +11,7 @@ from explorer import compiled
 from explorer.errors import InputError
 from explorer.measure.distributions import ANY_ENERGY, Coordinate, Distribution, Weight
 from explorer.measure.sampling import Range, Stream, numbered_stream, signs
+from explorer.motion.threads import blocks
 from explorer.phase.disk import SYNTAX, Disk, require_axial_inertia
 from explorer.phase.results import Columns, count_status
 from explorer.phase.states import COORDINATES, Array, States
@@ -128,8 +129,7 @@ class FromStates(FromDensity):
         """The states of a chunk, block by block."""
         if self.states is not None:
             given = self.states.read(self.disk, index * self.chunk_size, self.length(index))
-            for first in range(0, self.length(index), self.block):
-                yield given.at(np.arange(first, min(first + self.block, self.length(index))))
+            yield from map(given.at, blocks(self.length(index), self.block))
             return
         for columns in super().blocks(index):
             states = self.box.states(columns)
