@@ -97,30 +97,26 @@ def target() -> tuple[str, bool]:
 
 
 def warmup(names: Iterable[str] | None = None, say: Callable[[str], None] = lambda text: None) -> int:
-    """Compile kernels or load them from the cache; returns how many had to be compiled.
+    """Compile the kernels that the cache lacks, each for all later processes; returns how many there were.
 
-    names: such as "passages.fall_batch", by default every kernel. `say` receives a line before anything is
-    compiled, which takes from seconds to a minute.
+    names: such as "passages.fall_batch", by default every kernel. What the cache has is loaded when it is called:
+    of some that are named few may be. `say` receives a line before anything is compiled, which takes from seconds
+    to a minute.
     """
-    kernels, cached = _kernels(names), _load("kernels._jit").cached_names()
+    cached = _load("kernels._jit").cached_names()
+    kernels = _kernels(names if names is None else [name for name in names if name not in cached])
     fresh = [kernel for kernel in kernels if not kernel.is_loaded and kernel.name not in cached]
     if fresh:
         say(f"compiling {len(fresh)} kernel(s); once for this version, then kept")
     helper = _second_process(fresh) if len(fresh) > 1 else None
     try:
-        for kernel in kernels:
+        for kernel in fresh:
             kernel.compile()
     finally:
         if helper is not None:
             helper.kill()
             helper.wait()
     return len(fresh)
-
-
-def compile_missing(names: Iterable[str], say: Callable[[str], None] = lambda text: None) -> int:
-    """As `warmup`, but what the cache has is not loaded: of some kernels that are named few may be called."""
-    cached = _load("kernels._jit").cached_names()
-    return warmup([name for name in names if name not in cached], say)
 
 
 def _kernels(names: Iterable[str] | None) -> "list[Kernel[Any]]":

@@ -94,32 +94,28 @@ def on_disk(path: Path) -> Iterator[None]:
 
 
 @contextmanager
-def writing(name: str, value: Any, endings: tuple[str, ...], what: str = "") -> Iterator[Path]:
-    """Read the path of a file that is written within this context.
+def writing_page(name: str, value: Any) -> Iterator[Path]:
+    """Read the path of a web page that is written within this context.
 
     Parameters
     ----------
     name, value
         The argument, and what the user gave: text or a Path.
-    endings : tuple of str
-        One of which the name must have, in small or capital letters.
-    what : str
-        What the file is, where the endings do not say it.
 
     Raises
     ------
     InputError
-        For what is no path, another ending, a folder that is not there, and a file that the system does not take.
+        For what is no path, a name that is none of a web page, a folder that is not there, a file that the system
+        does not take, and one that is there and that nearflat has not made.
     """
     path = path_of(name, value)
     named = f"{name} = {shown(str(path))}"
-    if path.suffix.lower() not in endings:
-        *others, last = endings
-        choice = f"{', '.join(others)} or {last}" if others else last
-        raise InputError(f"{named}: {what}give a name that ends in {choice}")
+    if path.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"{named}: the page is HTML; give a name that ends in .html or .htm")
     if not path.parent.is_dir():
         raise InputError(f"{named}: there is no folder {shown(str(path.parent))}; make it first")
     try:
+        require_own(named, path)
         yield path
     except OSError as error:
         raise InputError(f"{named}: cannot be written ({error.strerror or error})") from None

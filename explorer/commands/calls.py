@@ -13,7 +13,7 @@ from explorer.commands.trade import TradeOptions, measured
 from explorer.motion.work_precision import Trade
 from explorer.runs.run import Run, execute
 from explorer.runs.settings import Settings, asked
-from explorer.scenes.options import Options, described, options_of
+from explorer.scenes.options import Options, described, names_of, options_of
 from explorer.scenes.scene import NAMES, Scene, scene_class
 
 
@@ -112,12 +112,13 @@ def _entries(kinds: list[type[Options]]) -> dict[str, str]:
     texts, entries = dict[str, Any](), dict[str, str]()
     for kind in kinds:
         for each in options_of(kind):
-            takers.setdefault(each.name, []).append(getattr(kind, "name", ""))
-            texts.setdefault(each.name, each)
+            for name in names_of(each):
+                takers.setdefault(name, []).append(kind.name if issubclass(kind, Scene) else "")
+                texts.setdefault(name, each)
     for name, each in texts.items():
         some = "" in takers[name] or len(takers[name]) == len(NAMES)
         whose = "" if some else f"For {', '.join(takers[name])}: "
-        text = fill(f"{whose}{described(each)}.", 110)
+        text = fill(f"{whose}{described(each) if name == each.name else f'another name of {each.name}'}.", 110)
         entries[name] = f"{name} : {each.metadata['reader'].accepts}\n{indent(text, '    ')}"
     return entries
 

@@ -16,7 +16,8 @@ from explorer.scenes.scene import Scene
 
 class Keywords(TypedDict, total=False):
     disk: Disk | str | Sequence[Disk | str]
-    seed: int | float | str
+    seed: int | float | str | np.random.SeedSequence | np.random.Generator
+    rng: int | float | str | np.random.SeedSequence | np.random.Generator
     accuracy: float | str
     method: Literal['auto', 'rk4', 'rk8', 'dopri5', 'dop853', 'quadrature']
     samples: int | float | str
@@ -44,7 +45,6 @@ class Keywords(TypedDict, total=False):
     out: Path | str
     exist: Literal['resume', 'replace', 'error']
     progress: bool
-    rng: int | np.random.SeedSequence | np.random.Generator
 
 Known = Literal['falling-set', 'measure-zero', 'one-sided', 'race-angles']
 
@@ -58,4 +58,4 @@ def plan(scene: Known, **options: Unpack[Keywords]) -> RunPlan: ...
 @overload
 def plan(scene: str | type[Scene], **options: Any) -> RunPlan: ...
 
-def trade(*, disk: Disk | str = ..., samples: int | float | str = ..., seed: int | float | str = ..., box: str | Mapping[str, Any] = ..., eta_hat: str | float | tuple[float, float] = ..., progress: bool = ...) -> Trade: ...
+def trade(*, disk: Disk | str = ..., samples: int | float | str = ..., seed: int | float | str | np.random.SeedSequence | np.random.Generator = ..., rng: int | float | str | np.random.SeedSequence | np.random.Generator = ..., box: str | Mapping[str, Any] = ..., eta_hat: str | float | tuple[float, float] = ..., progress: bool = ...) -> Trade: ...

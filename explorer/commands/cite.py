@@ -1,7 +1,6 @@
 """`nearflat cite` and `ex.cite`: what to cite, as BibTeX."""
 
 import argparse
-from collections.abc import Sequence
 
 from explorer.commands import Answer
 from explorer.version import installed_version
@@ -46,10 +45,6 @@ def _entries() -> tuple[tuple[str, str, dict[str, str]], ...]:
 def _entry(kind: str, key: str, fields: dict[str, str]) -> str:
     lines = "".join(f"  {name} = {{{value}}},\n" for name, value in fields.items())
     return f"@{kind}{{{key},\n{lines}}}"
-
-
-def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """The command has no options of its own."""
 
 
 def call(options: argparse.Namespace) -> Answer:

@@ -1,7 +1,6 @@
 """`nearflat completion`: what bash and zsh need to complete commands, scenes and options."""
 
 import argparse
-from collections.abc import Sequence
 
 from explorer.commands import Answer
 from explorer.scenes.scene import NAMES
@@ -17,10 +16,6 @@ _SCRIPT = """_nearflat() {{
   COMPREPLY=($(compgen -W "$words" -- "${{COMP_WORDS[COMP_CWORD]}}"))
 }}
 complete -o default -F _nearflat nearflat"""
-
-
-def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """It takes none."""
 
 
 def call(options: argparse.Namespace) -> Answer:

@@ -14,7 +14,7 @@ from explorer.paths import own_folder
 from explorer.runs.run import execute
 from explorer.runs.settings import Settings
 from explorer.scenes.falling_set import FallingSet
-from explorer.scenes.options import FOLDER, Options, option, whole_from, workers
+from explorer.scenes.options import FOLDER, Options, option, seeded, workers
 from explorer.scenes.scene import scene_class
 
 PAGE, STATES = "README.md", 1_000_000
@@ -42,7 +42,7 @@ class Demo(Options):
     # git does not look there: a demo leaves a checkout as it was
     out: Path = option(FOLDER, "folder", default=Path("results/demo"))
     jobs: int = workers("threads")
-    seed: int = option(whole_from(0, 2**128 - 1, "S"), "seed of the random streams", default=0)
+    seed: int = seeded()
 
 
 add_arguments = Demo.add_to

@@ -1,8 +1,8 @@
 """The command `nearflat`: parse, call one function, print.
 
 Exit status: 0 done, 1 the run failed or a check did not hold, 2 bad arguments, 130 interrupted. Results go to
-stdout, progress and errors to stderr. Each command is a module of this folder with `add_arguments(parser, words)`
-and `call(options)`, which returns an `Answer`; nothing heavy is imported before it is known.
+stdout, progress and errors to stderr. Each command is a module of this folder with `call(options)`, which returns
+an `Answer`, and `add_arguments(parser, words)` where it has any; nothing heavy is imported before it is known.
 """
 
 import argparse
@@ -135,9 +135,10 @@ def parser_of(name: str, words: Sequence[str] = ()) -> Parser:
     home, text, example = COMMANDS[name]
     parser = Parser(f"nearflat {name}", description=text, epilog=f"example: nearflat {name} {example}".rstrip())
     module = import_module(f"explorer.commands.{home}")
-    module.add_arguments(parser, words)
+    if hasattr(module, "add_arguments"):
+        module.add_arguments(parser, words)
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout and nothing else")
-    parser.add_argument("--quiet", action="store_true", help="no progress and no notes")
+    parser.add_argument("-q", "--quiet", action="store_true", help="no progress and no notes")
     parser.set_defaults(call=module.call, command=name)
     return parser
 

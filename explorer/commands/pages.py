@@ -7,11 +7,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from urllib.parse import quote
 
-from PIL import Image
+from PIL import ExifTags, Image
 
 from explorer.pictures.register import Caption, Question
-
-_EXIF_DESCRIPTION = 0x010E  # where WebP carries its caption
 
 
 def full_size(picture: Path) -> Path:
@@ -26,7 +24,7 @@ def caption_in(path: Path) -> Caption | None:
         with Image.open(path) as picture:
             found = picture.info.get("Description") or picture.info.get("comment")
             # Pillow reads what EXIF holds as Latin-1.
-            found = found or picture.getexif().get(_EXIF_DESCRIPTION, "").encode("latin-1")
+            found = found or picture.getexif().get(ExifTags.Base.ImageDescription, "").encode("latin-1")
     except (OSError, ValueError, Image.DecompressionBombError):  # it is no picture, or one that fills the memory
         return None
     question, _, text = (found.decode("utf-8") if isinstance(found, bytes) else str(found)).partition("\n")
@@ -43,7 +41,7 @@ def write_page(folder: Path, title: str, made_by: str, parts: Iterable[tuple[str
     """Write the README.md of a folder. parts: heading, lines of text, and pictures, which bring their captions."""
     lines = [f"# {title}", "", f"Made by {made_by}"]
     for heading, text, pictures in parts:
-        lines += ["", f"## {heading}", "", *text]
+        lines += ["", f"## {heading}", *([""] if text else []), *text]
         lines += [line for picture in pictures for line in ("", *picture_lines(picture, folder))]
     (folder / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 

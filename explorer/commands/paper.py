@@ -26,6 +26,12 @@ class Paper(Options):
 
 
 add_arguments = Paper.add_to
+_ABOUT = """`nearflat paper`. Statements and their numbers: [statements.md](statements.md). Misprints, with the
+numbers that prove them: [misprints.md](misprints.md). Cushman & Duistermaat, *Nearly flat falling motions of the
+rolling disk*, Regul. Chaotic Dyn. 11 (2006) 31-60. For another body, or closer to the falling set F:
+`nearflat paper --figure 8 --disk annulus:0.4 --eta-hat 3e-3`.
+
+All motions start upright with σ₂ = σ₃ = 1, in units m = r = g = 1. For an upright disk, σ₂ is φ̇."""
 
 
 def call(options: argparse.Namespace) -> Answer:
@@ -40,12 +46,23 @@ def call(options: argparse.Namespace) -> Answer:
         if name in given:
             raise InputError(f"{name} {given[name]}: only with a figure; the statements are of the paper's bodies")
     rows = paper(chosen.out, only=chosen.only, jobs=chosen.jobs, quiet=options.quiet)
+    if chosen.only is None:
+        figures_page(chosen.out)
     holding, lines = sum(row.passed for row in rows), list[str]()
     for row in rows if chosen.only is not None else ():
         lines.append(f"{row.statement.number} {row.statement.name}: {row.statement.text}")
         lines += map(line_of, row.findings)
     record = {"holding": holding, "failing": len(rows) - holding, "rows": [row.describe() for row in rows]}
     return Answer(record, "\n".join([*lines, *headline(rows)]), int(holding < len(rows)))
+
+
+def figures_page(folder: Path) -> None:
+    """Write the README.md of a folder: the figures with their captions, and what was inferred to draw them."""
+    from explorer.commands.pages import write_page
+    from explorer.paper.figures import FIGURES, INFERRED
+
+    parts = [(f"Figure {n}", list[str](), [folder / "figures" / f"figure-{n}.png"]) for n in FIGURES]
+    write_page(folder, "The paper, reproduced", "\n".join([_ABOUT, *INFERRED]), parts)
 
 
 def _figure(chosen: Paper, number: int, quiet: bool) -> Answer:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from explorer.commands import Answer
 from explorer.errors import InputError
 from explorer.runs.settings import Settings, asked
-from explorer.scenes.options import first_line, key_of, options_of
+from explorer.scenes.options import first_line, key_of, names_of, options_of
 from explorer.scenes.scene import NAMES, Scene, read_scene_file, scene_class
 
 if TYPE_CHECKING:
@@ -53,7 +53,8 @@ def given_by(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
     said = kind.said(options) | Settings.said(options)
     for each in options_of(kind):
         if each.name in said:
-            given.pop(key_of(each), None)  # the same option, as run.json calls it
+            for other in (key_of(each), *names_of(each)):  # the same option
+                given.pop(other, None)
     return name, given | said | ({"progress": False} if options.quiet else {})
 
 

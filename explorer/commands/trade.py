@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from explorer.commands import Answer
-from explorer.errors import note
+from explorer.errors import InputError, note
 from explorer.measure.sampling import Range
 from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.passages import Passages, reference_passages
@@ -16,11 +16,11 @@ from explorer.motion.work_precision import Trade, measure
 from explorer.paths import own_folder
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import SYNTAX, Disk
+from explorer.phase.results import stacked
 from explorer.phase.states import States
-from explorer.scenes.options import BOX, DISK, RANGE, TRUTH, Options, option, whole_from
+from explorer.scenes.options import BOX, DISK, RANGE, TRUTH, Options, option, seeded, whole_from
 from explorer.scenes.race_angles import RaceAngles, start_of
-from explorer.scenes.scene import joined
-from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT
+from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, eta_hat_span
 
 _OUT = Path("results/trade")
 _ABOUT = """The passages are computed by `compare` at each accuracy. Times are on the clock, for one core, without
@@ -38,13 +38,13 @@ class TradeOptions(Options):
     disk: Disk = option(DISK, f"disk: {SYNTAX}", default=Disk.uniform())
     # The time of fewer is mostly that of the call.
     samples: int = option(whole_from(256), "number of passages", default=4096)
-    seed: int = option(whole_from(0, 2**128 - 1, "S"), "seed of the random streams", default=0)
+    seed: int = seeded()
     box: Any = option(BOX, BOX_NEAR_F, words="phidot=0.5:2,sigma3=-2:2 in natural units")
     eta_hat: Range = option(
         RANGE,
         ETA_HAT,
         words="1e-8:1 natural units",
-        follows=lambda self, given: given or (1e-8 * self.disk.rate_unit, self.disk.rate_unit),
+        follows=lambda self, given: eta_hat_span(self.disk, given, (1e-8, 1.0)),
     )
     progress: bool = option(TRUTH._replace(metavar=None), "False prints nothing", default=True)
 
@@ -57,8 +57,12 @@ class TradeOptions(Options):
     def drawn(self) -> tuple[States, Passages]:
         """The states that the scene draws, and their true passages, where these are ok."""
         scene = self.scene
-        samples = joined([block for index in range(scene.chunks) for block in scene.blocks(index)])
+        samples = stacked([block for index in range(scene.chunks) for block in scene.blocks(index)])
         exact = reference_passages(self.disk, starts_at_vertical(self.disk, *start_of(samples)))
+        if not exact.ok.any():
+            raise InputError(
+                "box: none of these passages is known; give phidot above 0 and below 1e75 natural units"
+            )
         return coordinates_to_states(self.disk, degrees=False, **samples), exact
 
 

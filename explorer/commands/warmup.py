@@ -1,15 +1,10 @@
 """`nearflat warmup`: compile before the first question is asked."""
 
 import argparse
-from collections.abc import Sequence
 
 from explorer.commands import Answer
 from explorer.compiled import warmup
 from explorer.errors import note
-
-
-def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """The command has no options of its own."""
 
 
 def call(options: argparse.Namespace) -> Answer:

@@ -20,6 +20,7 @@ from explorer.phase.arguments import read_range, returned_numbers
 from explorer.phase.coordinates import KNOWN, Chart, angle_unit, chart_of, recognise, warn_of_degrees
 from explorer.phase.disk import Disk
 from explorer.phase.linear_constants import line_chart, line_slope
+from explorer.phase.results import stacked
 from explorer.phase.states import COORDINATES, Array, States
 
 ANY_ENERGY: Range = (-math.inf, math.inf)
@@ -70,6 +71,8 @@ class Coordinate:
         """From a distribution, a range, a number, or text such as "norm:20:2". Raises InputError, with `what`."""
         named = f"{what} {name}".lstrip()
         if all(hasattr(given, word) for word in _OF_FROZEN) and not hasattr(given, "freeze"):
+            if np.ndim(given.support()[0]):
+                raise InputError(f"{named} = {shown(given)}: its parameters are arrays; give numbers")
             low, high = map(float, given.support())
             return cls(name, low, high, unit, given, _text_of(given))
         if isinstance(given, str) and given[:1].isalpha() and double_of(given) is None:
@@ -370,7 +373,7 @@ class Distribution:
                 raise InputError(
                     f"{what}: only {have} of {tried} draws from the box were kept; widen it or shrink the box"
                 )
-        return {name: np.concatenate([part[name] for part in kept])[:count] for name in kept[0]}
+        return {name: values[:count] for name, values in stacked(kept).items()}
 
     def _kept(self, drawn: dict[str, Array], random: Stream) -> NDArray[np.bool_]:
         """Which draws from the laws rejection keeps."""

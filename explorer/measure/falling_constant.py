@@ -32,7 +32,7 @@ from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.energy import energy_at, energy_at_flat, eta_to_eta_hat
 from explorer.phase.falling_set import barrier, well
 from explorer.phase.linear_constants import line_chart
-from explorer.phase.results import Table
+from explorer.phase.results import Columns, Table
 from explorer.phase.roots import roots_among
 from explorer.phase.states import COORDINATES, Array
 
@@ -46,7 +46,6 @@ _SCAN = 4001
 _LEAST_MASS = 1e-290  # integrals below lose digits
 _SURE = 0.1  # relative error of the mass, above which so few points decide that it is no longer to be trusted
 _RATES = "sigma3", "sigma4"
-Columns = dict[str, Array]
 
 
 @dataclass(frozen=True, repr=False)
@@ -82,7 +81,7 @@ class FallingConstant(Table):
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
         """The numbers as columns of one row."""
-        return {name: np.array([value]) for name, value in vars(self).items()}
+        return {name: np.array(value) for name, value in vars(self).items()}
 
     def _lines(self) -> list[tuple[str, str]]:
         """The numbers, and what they do not say."""

@@ -21,13 +21,13 @@ from explorer.measure.laws import Estimate, Law
 from explorer.measure.sampling import Stream
 from explorer.measure.tubes import TiltAndRate, counts_on, half_width
 from explorer.motion.orbits import KERNELS as OF_ENDS
+from explorer.motion.threads import blocks
 from explorer.motion.trajectories import finer
 from explorer.motion.turning_points import smallest_tilts
 from explorer.phase.disk import Disk
 from explorer.phase.linear_constants import line_chart, motion_given, other_eta_hat
 from explorer.phase.states import Array, States
 
-BLOCK = 1 << 14
 KERNELS = "algebra.constants_batch", "falling.line_chart_batch", *OF_ENDS  # for `compiled.warmup`
 # Tilts below this many delta are drawn plainly: above, the width of a tube settles in a few rounds. With a larger
 # delta than this they would be all there are.
@@ -107,8 +107,8 @@ class NearFallingSet:
         """P(theta_min < delta), by so many draws at each face."""
         sums = []
         for face in (1, -1):
-            blocks = [self.draw(face, delta, random, n) for n in _blocks(draws)]
-            sums += np.sum([[part.sums(delta) for part in block] for block in blocks], axis=0).tolist()
+            drawn = [self.draw(face, delta, random, rows.stop - rows.start) for rows in blocks(draws)]
+            sums += np.sum([[part.sums(delta) for part in block] for block in drawn], axis=0).tolist()
         return Rare.of(np.array(sums), share)
 
     def law(self, random: Stream, draws: int, share: float = 1.0) -> Law | None:
@@ -363,7 +363,3 @@ class Tube:
             return bar
         set_by: Array = (self.source.pair[self._fixed].ends[0] - pair[self._fixed, 1] * eta) / pair[self._fixed, 0]
         return set_by
-
-
-def _blocks(draws: int) -> list[int]:
-    return [min(BLOCK, draws - first) for first in range(0, draws, BLOCK)]

@@ -14,15 +14,15 @@ from explorer import compiled
 from explorer.errors import InputError, RunError, flag, number, shown, whole
 from explorer.measure import statistics
 from explorer.measure.distributions import Distribution
-from explorer.measure.importance_sampling import BLOCK, FEWEST, LARGEST_DELTA, LEAST, NearFallingSet
+from explorer.measure.importance_sampling import FEWEST, LARGEST_DELTA, LEAST, NearFallingSet
 from explorer.measure.laws import Law
 from explorer.measure.sampling import Stream, stream_of
-from explorer.measure.tubes import widest_eta
+from explorer.measure.tubes import may_come
 from explorer.motion.bounces import MOST, Bounces, bounces
+from explorer.motion.threads import blocks
 from explorer.motion.turning_points import smallest_tilts
 from explorer.phase.arguments import returned_numbers
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.energy import eta_to_eta_hat
 from explorer.phase.states import States
 
 Event = tuple[str, float] | str | Callable[[Bounces], ArrayLike]
@@ -223,13 +223,13 @@ def _counted(
 ) -> _Counted:
     """What plain draws see."""
     total = np.zeros(4, np.int64)
-    for first in range(0, samples, BLOCK):
-        states = source.states(source.draw(random, min(BLOCK, samples - first)))
+    for rows in blocks(samples):
+        states = source.states(source.draw(random, rows.stop - rows.start))
         good = states.status != compiled.status.Status.BAD_INPUT
         if callable(event):
             hit, unknown = _seen(states.at(np.flatnonzero(good)), event, count, accuracy)
         else:
-            near = states.at(np.flatnonzero(good & _may_come(states, event)))
+            near = states.at(np.flatnonzero(good & may_come(states, event)))
             theta, _ = smallest_tilts(near, count, accuracy)
             hit, unknown = theta < event, np.isnan(theta)
         total += good.size, good.sum(), hit.sum(), unknown.sum()
@@ -239,14 +239,6 @@ def _counted(
             "degrees=True where they are in degrees"
         )
     return _Counted(*total.tolist())
-
-
-def _may_come(states: States, delta: float) -> NDArray[np.bool_]:
-    """Which states may come flatter than delta."""
-    disk, motion = states.disk, states.motion
-    eta_hat = eta_to_eta_hat(disk.body, motion.eta(motion.nearer_plus))
-    near: NDArray[np.bool_] = abs(eta_hat) <= widest_eta(motion.energy, delta, disk)
-    return near
 
 
 def _seen(

@@ -16,9 +16,11 @@ from explorer.measure.sampling import Range
 from explorer.motion.plan import plan
 from explorer.motion.scan import Observable, Scan, scan
 from explorer.motion.turning_points import smallest_tilt
+from explorer.phase.columns import ANGLE, COLUMNS
 from explorer.phase.coordinates import ANGULAR, angle_unit, recognise
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.falling_set import Falls, falls
+from explorer.phase.results import to_arrow
 from explorer.phase.states import Array, States
 
 if TYPE_CHECKING:
@@ -140,12 +142,10 @@ class SliceMap(Scan):
 
     def to_arrow(self) -> pa.Table:
         """The table of `to_pandas`, in Arrow; the metadata of each field states its meaning, unit and equation."""
-        table, turned = super().to_arrow(), ({*self.slice.coordinates} & {*ANGULAR}) - {*self.values}
-        for place, field in enumerate(table.schema if self.degrees else ()):
-            if field.name in turned:
-                unit = {b"unit": field.metadata[b"unit"].replace(b"rad", b"degrees")}
-                table = table.set_column(place, field.with_metadata(field.metadata | unit), table[place])
-        return table
+        turned = ({*self.slice.coordinates} & {*ANGULAR}) - {*self.values} if self.degrees else ()
+        units = {name: COLUMNS[name].unit.replace(ANGLE, "degrees") for name in turned}
+        known = COLUMNS | {name: replace(COLUMNS[name], unit=unit) for name, unit in units.items()}
+        return to_arrow(self.columns, len(self.shape), known)
 
     @property
     def side(self) -> NDArray[np.int8]:
@@ -228,7 +228,7 @@ def slice_map(
     return SliceMap(states, values, where, x, y, falls(states), how.method, degrees)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ConstantsPlane:
     """The flattest of many samples over the plane of constants of motion.
 

@@ -296,13 +296,6 @@ def unpacked(text: str) -> NDArray[Any]:
 # Counts of a block of samples
 
 
-def count_status(status: NDArray[np.int8]) -> dict[str, int]:
-    """Number of samples that ended in each status, for those that occur; names in lower case."""
-    Status = compiled.status.Status
-    counts = np.bincount(status, minlength=len(Status))
-    return {Status(code).name.lower(): int(n) for code, n in enumerate(counts) if n}
-
-
 def histograms(values: Array, groups: NDArray[np.int64], edges: Array, count: int) -> NDArray[np.int32]:
     """Histograms (count, bins + 1) of the finite ones of values by group, 0 ... count - 1; -1 belongs nowhere.
 

@@ -17,7 +17,7 @@ from explorer import compiled
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at, eta_to_eta_hat
 from explorer.phase.linear_constants import line_chart, nearer_plus
-from explorer.phase.states import Array
+from explorer.phase.states import Array, States
 
 # Half the width of a tube is sought by iteration. Each round overshoots by this much, so that it ends above the
 # bound that it would otherwise creep up to; a tube that is 2 % too wide wastes 2 % of its draws.
@@ -41,6 +41,14 @@ def widest_eta(energy: Array, delta: float, disk: Disk) -> Array:
     most = np.sqrt(2.0 * np.maximum(energy, 0.0))
     eta = most * (math.sqrt(b.I1) * math.sin(delta) * slope + b.I3 / math.sqrt(b.J) * recessive)
     return eta_to_eta_hat(b, eta)
+
+
+def may_come(states: States, delta: float) -> NDArray[np.bool_]:
+    """Which states may come flatter than delta."""
+    disk, motion = states.disk, states.motion
+    eta_hat = eta_to_eta_hat(disk.body, motion.eta(motion.nearer_plus))
+    near: NDArray[np.bool_] = abs(eta_hat) <= widest_eta(motion.energy, delta, disk)
+    return near
 
 
 def counts_on(face: int, eta: Array, other: Array) -> NDArray[np.bool_]:

@@ -63,9 +63,10 @@ class Comparison:
         largest = {name: self.differences(name) for name in COMPARED}
         for method, found in self.bounces.items():
             said = [f"{found.ok.sum():,} ok", f"{self.seconds[method]:.3g} s"]
-            if method != first:
-                sizes = ((name, np.nanmax(largest[name][method], initial=0.0)) for name in COMPARED)
-                said += [f"{name} {size:.1e} {'rad' if name in ANGLES else 'relative'}" for name, size in sizes]
+            for name in COMPARED if method != first else ():
+                size = np.fmax.reduce(largest[name][method], axis=None, initial=np.nan)
+                unit = "rad" if name in ANGLES else "relative"
+                said += [] if np.isnan(size) else [f"{name} {size:.1e} {unit}"]  # no state has both answers
             lines.append(f"  {method}: {', '.join(said)}")
         return "\n".join(lines)
 

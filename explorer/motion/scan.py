@@ -16,7 +16,7 @@ from explorer.motion.threads import in_parts
 from explorer.phase.arguments import returned_numbers
 from explorer.phase.constants import constants
 from explorer.phase.falling_set import falls
-from explorer.phase.results import Table, in_shape
+from explorer.phase.results import Table, in_shape, stacked
 from explorer.phase.states import COORDINATES, States, require_states
 
 _MOST_BATCH = 10**9  # states; more than memory holds
@@ -152,8 +152,7 @@ def scan(states: States, observable: Observable, *, jobs: int = 1, batch: int = 
             return found
 
         found = in_parts(jobs, states.size, checked, batch)
-    whole_arrays = {name: np.concatenate([part[name] for part in found]) for name in found[0]}
-    return Scan(states, {name: in_shape(each, states.shape) for name, each in whole_arrays.items()})
+    return Scan(states, {name: in_shape(each, states.shape) for name, each in stacked(found).items()})
 
 
 def _function_of(observable: Any) -> tuple[Callable[[States], Any], str]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 from scipy.special import rgamma
 
+from explorer.paper.four_dimensions import sigma_energy
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
@@ -120,7 +121,5 @@ def bars(disk: Disk, z: Any, s3: Any, s4: Any) -> tuple[Any, Any]:
 
 
 def amended(disk: Disk, bar3: Any, bar4: Any, z: Any) -> Any:
-    """V of eq. (3.8) at sigma_1 = z."""
-    s3, s4 = chaplygin(disk, bar3, bar4, z)
-    q2, J = 1.0 - z * z, disk.I3 + disk.m * disk.r**2
-    return 0.5 * (disk.I1 * s3 * s3 / q2 + J * s4 * s4) + disk.m * disk.g * disk.r * np.sqrt(q2)
+    """V of eq. (3.8) at sigma_1 = z: the energy of a motion that turns there."""
+    return sigma_energy(disk, (z, 0.0, *chaplygin(disk, bar3, bar4, z)))

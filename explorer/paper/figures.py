@@ -21,7 +21,7 @@ from explorer.motion.both_sides import BothSides, both_sides
 from explorer.motion.limit_motions import limit_motion
 from explorer.paper.statement import ETA_HAT
 from explorer.phase.coordinates import constants_to_states
-from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 from explorer.pictures.one_sided import angle_of_contact, flattest, path_on_table
 from explorer.pictures.register import Caption, Question, add_caption
@@ -193,7 +193,6 @@ def figure(which: int, disk: Disk | None = None, eta_hat: float = ETA_HAT) -> Fi
     plan = FIGURES[which]
     body = plan.disk
     if disk is not None:
-        require_axial_inertia(disk)
         unit = disk.m * disk.r**2  # the figures are in units m = r = g = 1
         body = Disk(I1=disk.I1 / unit, I3=disk.I3 / unit, name=disk.name)
     both = curves(body, positive("eta_hat", eta_hat), plan.turns)

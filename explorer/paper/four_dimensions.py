@@ -33,7 +33,7 @@ def sigma_rates(disk: Disk, sigma: Array) -> Array:
     return np.array([s2, s2dot, -disk.I3 * s2 * s4 / disk.I1, -inertia * s2 * s3 / (q2 * J)])
 
 
-def sigma_energy(disk: Disk, sigma: Array) -> Any:
+def sigma_energy(disk: Disk, sigma: Any) -> Any:
     """Eq. (2.19); sigma (4,) or (4, n)."""
     s1, s2, s3, s4 = sigma
     q2, inertia = 1.0 - s1 * s1, disk.m * disk.r**2

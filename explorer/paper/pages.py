@@ -19,7 +19,7 @@ from explorer.paper import (
     section_7_1,
     section_7_3,
 )
-from explorer.paper.figures import FIGURES, INFERRED, figure
+from explorer.paper.figures import FIGURES, figure
 from explorer.paper.statement import ETA_HAT, FACTOR, Finding, Statement, chosen, shown
 from explorer.paths import made_folder, own_folder, path_of
 from explorer.phase.disk import Disk
@@ -144,7 +144,7 @@ def paper(out: Path | str, *, only: str | None = None, jobs: int = 2, quiet: boo
     rows = check_all(only, jobs, quiet)
     if only is None:
         pages = {"statements.md": statements_page(rows), "misprints.md": misprints_page(rows)}
-        for name, page in {**pages, "README.md": figures_page()}.items():
+        for name, page in pages.items():
             (folder / name).write_text(page, encoding="utf-8")
         for number in FIGURES:
             note(f"drawing figure {number}", quiet)
@@ -166,27 +166,6 @@ def one_figure(folder: Path | str, number: int, disk: Disk | None = None, eta_ha
     for path in paths:
         save(drawn, path)
     return paths
-
-
-def figures_page() -> str:
-    """The figures with their captions, as Markdown."""
-    lines = [
-        "# The paper, reproduced",
-        "",
-        "Made by `nearflat paper`. Statements and their numbers: [statements.md](statements.md). Misprints, with",
-        "the numbers that prove them: [misprints.md](misprints.md). Cushman & Duistermaat, *Nearly flat falling",
-        "motions of the rolling disk*, Regul. Chaotic Dyn. 11 (2006) 31-60. For another body, or closer",
-        "to the falling set F:",
-        "`nearflat paper --figure 8 --disk annulus:0.4 --eta-hat 3e-3`.",
-        "",
-        "All motions start upright with σ₂ = σ₃ = 1, in units m = r = g = 1. For an upright disk, σ₂ is φ̇.",
-        *INFERRED,
-    ]
-    for number, plan in FIGURES.items():
-        caption = plan.caption(number, plan.disk, ETA_HAT)
-        picture = f'<img src="figures/figure-{number}.png" width="700" alt="{caption}">'
-        lines += ["", f"## Figure {number}", "", picture, "", caption]
-    return "\n".join(lines) + "\n"
 
 
 def statements_page(rows: Sequence[Checked]) -> str:

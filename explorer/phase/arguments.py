@@ -124,11 +124,11 @@ def read_range(name: str, value: Any, unbounded: bool = False) -> tuple[float, f
 
 
 def returned_numbers(name: str, value: Any) -> NDArray[Any]:
-    """What a function of the user's returned, as an array of real numbers or bools that keeps its type.
+    """What a function of the user's returned: an array of real numbers, doubles at most, or of bools.
 
     name: what the function is called. What is masked is NaN. Raises InputError for text and complex numbers.
     """
     given = plain_array(value)
     if given.dtype.kind not in "fiub":
         raise InputError(f"{name}: the function returned {shown(value)}; let it return real numbers")
-    return given
+    return given.astype(np.float64) if given.dtype.kind == "f" and given.itemsize > 8 else given

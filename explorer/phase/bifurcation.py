@@ -98,7 +98,7 @@ def thresholds(disk: Disk) -> dict[str, dict[str, float]]:
     }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Branch:
     """Equilibria that follow each other along a path through the constants of motion.
 

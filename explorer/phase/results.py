@@ -2,8 +2,7 @@
 
 import html
 import math
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
@@ -12,13 +11,14 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, shown
-from explorer.phase.columns import COLUMNS, SI
+from explorer.phase.columns import COLUMNS, SI, Column
 from explorer.phase.disk import Disk
 
 if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
 
+Columns = dict[str, NDArray[Any]]  # by name, of one length
 Status = compiled.status.Status
 _NAMES = [code.name.lower() for code in Status]
 _SHOWN = 6  # columns whose medians the description gives: what fits on a screen beside code
@@ -69,6 +69,7 @@ class Shaped:
 
     def at(self, rows: NDArray[np.intp]) -> Self:
         """Some of the samples in a row, by their numbers among all."""
+        rows = np.arange(self.size)[rows]
         arrays = {name: v.reshape(self.size, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
         states = getattr(self, "states", None)
         if states is not None:
@@ -80,6 +81,11 @@ class Shaped:
         states = getattr(self, "states", None)
         arrays = {name: in_shape(values, shape) for name, values in self._arrays().items()}
         return self._with(arrays, None if states is None else states.reshaped(shape))
+
+    def _title(self) -> str:
+        """What the description calls it."""
+        shape = " x ".join(map(str, self.shape))
+        return f"{type(self).__name__} of {self.size:,}" + (f" ({shape})" if len(self.shape) > 1 else "")
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
         """All arrays of this object by name, also where they have a single entry and no axis."""
@@ -118,8 +124,14 @@ class WithStatus(Shaped):
 
     def _counted(self) -> str:
         """How many samples have each status, in words."""
-        counts = Counter(np.ravel(self.status_names).tolist())
+        counts = count_status(np.ravel(self.status))
         return ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "none"
+
+
+def count_status(status: NDArray[np.int8]) -> dict[str, int]:
+    """Number of samples that ended in each status, for those that occur; names in lower case."""
+    counts = np.bincount(status, minlength=len(Status)).tolist()
+    return {name: count for name, count in zip(_NAMES, counts, strict=True) if count}
 
 
 def require_ok(found: WithStatus, what: str) -> None:
@@ -151,19 +163,6 @@ class Table(Shaped):
         more = (1,) * (len(self.shape) - len(shape))
         return np.broadcast_to(np.reshape(values, (*shape, *more)), self.shape)
 
-    def _flat(self) -> dict[str, NDArray[Any]]:
-        """Columns with one entry for each sample; a vector becomes several, `path` path_x, path_y and path_z."""
-        flat: dict[str, NDArray[Any]] = {}
-        for name, values in self.columns.items():
-            entries = values.shape[len(self.shape) :]
-            for place in np.ndindex(entries):
-                letters = [_AXES[n][i] if n in _AXES else str(i) for i, n in zip(place, entries, strict=True)]
-                entry = "_".join([name, *letters])
-                if entry in flat or (letters and entry in self.columns):
-                    raise InputError(f"a table would have two columns {shown(entry)}; give arrays other names")
-                flat[entry] = values[(..., *place)].ravel()
-        return flat
-
     def to_pandas(self) -> "pd.DataFrame":
         """A DataFrame with one row for each sample, in the order of flattened arrays; status by name."""
         frame = self.to_arrow().to_pandas()
@@ -173,7 +172,7 @@ class Table(Shaped):
 
     def to_arrow(self) -> "pa.Table":
         """The table of `to_pandas`, in Arrow; the metadata of each field states its meaning, unit and equation."""
-        return to_arrow(self._flat())
+        return to_arrow(self.columns, len(self.shape))
 
     def _good(self) -> NDArray[np.bool_]:
         """Samples whose numbers the description speaks of."""
@@ -203,10 +202,6 @@ class Table(Shaped):
                 lines.append((name, "; ".join(ranges)))
         return lines
 
-    def _title(self) -> str:
-        shape = " x ".join(map(str, self.shape))
-        return f"{type(self).__name__} of {self.size:,}" + (f" ({shape})" if len(self.shape) > 1 else "")
-
     def __repr__(self) -> str:
         return "\n".join([self._title(), *(f"  {name}: {text}" for name, text in self._lines())])
 
@@ -220,6 +215,7 @@ class Table(Shaped):
 
 
 R = TypeVar("R", bound="Result")
+S = TypeVar("S", bound=np.generic)
 
 
 class Result(WithStatus, Table):
@@ -262,9 +258,12 @@ def joined(parts: Sequence[R]) -> R:
     """The results of parts of samples, one after another along their first axis."""
     if len(parts) == 1:
         return parts[0]
-    arrays = [part._arrays() for part in parts]
-    columns = {name: np.concatenate([each[name] for each in arrays]) for name in arrays[0]}
-    return replace(parts[0], **columns)  # type: ignore[type-var]
+    return replace(parts[0], **stacked([part._arrays() for part in parts]))  # type: ignore[type-var]
+
+
+def stacked(tables: Sequence[dict[str, NDArray[S]]]) -> dict[str, NDArray[S]]:
+    """Tables with the same columns, one below the other."""
+    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
 
 def unit_of(name: str, disk: Disk | None = None) -> str:
@@ -285,21 +284,28 @@ def status_codes(names: NDArray[Any]) -> NDArray[np.int8]:
     return np.array([_NAMES.index(str(name)) for name in known], dtype=np.int8)[place]
 
 
-def to_arrow(columns: dict[str, NDArray[Any]]) -> "pa.Table":
-    """An Arrow table of columns, status by name, with meaning, unit and equation in the metadata of known ones."""
+def to_arrow(columns: dict[str, NDArray[Any]], axes: int = 1, known: Mapping[str, Column] = COLUMNS) -> "pa.Table":
+    """An Arrow table of columns, status by name, with meaning, unit and equation in the metadata of known ones.
+
+    axes: how many the samples have. What has more is a vector, whose entries become columns, of `path` path_x,
+    path_y and path_z. known: what columns mean, by name.
+    """
     import pyarrow as pa  # loaded only by those who ask for a table
 
-    arrays, kinds = [], []
+    arrays, kinds = dict[str, Any](), []
     for name, values in columns.items():
-        if name == "status" and values.dtype.kind in "iu":
-            codes = _arrow_array(values.astype(np.int8))
-            array = pa.DictionaryArray.from_arrays(codes, _arrow_texts(_NAMES))
-        else:
-            array = _arrow_array(values)
-        known = COLUMNS.get(name) or COLUMNS.get(name.rpartition("_")[0])
-        arrays.append(array)
-        kinds.append(pa.field(name, array.type, metadata=known.texts if known else None))
-    return pa.Table.from_arrays(arrays, schema=pa.schema(kinds))
+        texts, entries = known[name].texts if name in known else None, values.shape[axes:]
+        for place in np.ndindex(entries):
+            letters = [_AXES[n][i] if n in _AXES else str(i) for i, n in zip(place, entries, strict=True)]
+            entry = "_".join([name, *letters])
+            if entry in arrays or (letters and entry in columns):
+                raise InputError(f"a table would have two columns {shown(entry)}; give arrays other names")
+            array = _arrow_array(values[(..., *place)])
+            if name == "status" and values.dtype.kind in "iu":
+                array = pa.DictionaryArray.from_arrays(array.cast(pa.int8()), _arrow_texts(_NAMES))
+            arrays[entry] = array
+            kinds.append(pa.field(entry, array.type, metadata=texts))
+    return pa.Table.from_arrays([*arrays.values()], schema=pa.schema(kinds))
 
 
 def _arrow_array(values: NDArray[Any]) -> "pa.Array":

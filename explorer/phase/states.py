@@ -49,7 +49,7 @@ class Rows(NamedTuple):
     sigma4: Array
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class States(WithStatus):
     """States of one disk, as the kernels take them: what `phi_to_states` and similar functions return.
 
@@ -108,10 +108,9 @@ class States(WithStatus):
         return in_shape(self.codes, self.shape)
 
     def __repr__(self) -> str:
-        shape = f" ({' x '.join(map(str, self.shape))})" if len(self.shape) > 1 else ""
         tilt = np.degrees(np.arctan2(self.rows.q, abs(self.rows.z))[self.codes == compiled.status.Status.OK])
         tilts = f"; tilts {tilt.min():.3g} to {tilt.max():.3g} degrees" if tilt.size else ""
-        return f"States of {self.size:,}{shape} of the disk {self.disk.name}: {self._counted()}{tilts}"
+        return f"{self._title()} of the disk {self.disk.name}: {self._counted()}{tilts}"
 
     def at(self, rows: slice | NDArray[Any]) -> States:
         """Some of the states, by their numbers among all, in a row."""

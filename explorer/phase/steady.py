@@ -158,7 +158,7 @@ def circular_rolling(disk: Disk, lean: float, radius: float, degrees: bool = Fal
     Returns
     -------
     SteadyMotions
-        The motion that goes round anticlockwise, as an array of one.
+        The motion that goes round anticlockwise.
 
     Raises
     ------

@@ -73,14 +73,12 @@ def bifurcation_of_tilts(ax: Axes, disk: Disk, path: str) -> None:
     threshold = PATHS[one_of("path", path, PATHS)].threshold(disk)
     branches, marks = whole_path(disk, path), (threshold, -threshold)
     looks: dict[str, tuple[Any, str]] = {CENTRE: ("-", "stable"), SADDLE: ((0, (3, 1.5)), "unstable")}
-    seen: set[str] = set()
     for branch in branches:
         line, name = looks[branch.kind]
-        ax.plot(branch.parameter, branch.phi, color=DARK, ls=line, lw=2.0, label=None if name in seen else name)
-        seen.add(name)
+        ax.plot(branch.parameter, branch.phi, color=DARK, ls=line, lw=2.0, label=name)
     name = f"threshold ±{threshold / disk.rate_unit:.5f}{_EXACT.get((disk.name, path), '')}"
     for mark in marks:
-        ax.axvline(mark, color=SERIES[1], lw=1.4, ls=":", label=name if mark > 0.0 else None)
+        ax.axvline(mark, color=SERIES[1], lw=1.4, ls=":", label=name)
     if path == "line":
         ax.set_xlim(-1.8 * threshold, 1.8 * threshold)
         for mark in marks:
@@ -132,7 +130,6 @@ def bifurcation_of_energies(
     }
     for branch in branches:
         ax.plot(branch.parameter, branch.energy, color=STEADY, lw=2.4, **looks[branch.kind], zorder=3)
-        looks[branch.kind] = looks[branch.kind] | {"label": None}
     if falling:
         ax.plot(parameter, floor, color=DARK, lw=2.6, ls=":", label="$V_0$, at flat")
     ax.axvline(threshold, color=DARK, lw=0.8, label="threshold")

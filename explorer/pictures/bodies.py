@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from explorer.motion.passages import passages
-from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import ACCENT, DARK, SERIES, SIZE, SMALL, dress, legend_below
@@ -66,7 +66,6 @@ def race_number_of(disks: Sequence[Disk]) -> Array:
     """Race numbers as passages on both sides, near F, have them."""
     found = []
     for disk in disks:
-        require_axial_inertia(disk)
         unit = disk.rate_unit
         angle = passages(disk, unit, [_NEAR * unit, -_NEAR * unit], unit, accuracy=1e-9).race_angle
         found.append((angle[0] - angle[1]) / (2.0 * math.pi))

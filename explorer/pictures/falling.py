@@ -36,12 +36,11 @@ def constants_plane(ax: Axes, plane: ConstantsPlane) -> None:
     ax.set(xlim=(left, right), ylim=(low, high), aspect="equal")
     slope = line_slope(plane.disk)
     reach = min(right, high / abs(slope)) if slope else right
-    words: str | None = "exact lines, at their outer ends"
     for face, name in ((1, "$l_+$"), (-1, "$l_-$")):
         for end in (-1.0, 1.0):
             x = end * reach * np.array([0.72, 1.0])
+            words = "exact lines, at their outer ends"
             ax.plot(x, face * slope * x, color=LAW, lw=1.6, ls=(0, (4, 2)), label=words)
-            words = None
         box: dict[str, Any] = {"facecolor": "white", "alpha": 0.85, "lw": 0, "pad": 1.5}
         place: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": TEXT, "bbox": box}
         ax.text(0.62 * reach, face * (0.62 * reach * slope + 0.09 * (high - low)), name, **place)

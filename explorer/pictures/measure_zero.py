@@ -33,7 +33,7 @@ def probability(figure: Figure, summary: dict[str, Any]) -> None:
         above = below = figure.subplots()
     _estimates(above, summary)
     below.set_xlabel(r"$\delta$ (rad)", fontsize=TEXT)
-    legend_of_all(figure, dict.fromkeys((above, below)), ncols=1)
+    legend_of_all(figure, (above, below), ncols=1)
 
 
 def _estimates(ax: Axes, summary: dict[str, Any]) -> None:

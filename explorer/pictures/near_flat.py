@@ -129,10 +129,7 @@ def _size(eta_hat: float) -> str:
 def _path(ax: Axes, path: Array, colour: str, style: Any) -> None:
     ax.plot(*path.T, color=colour, lw=1.5, ls=style)
     ax.plot(*path[0], "o", color=DARK, ms=5)
-    # Along the last piece, so that the way is seen.
-    back = int(np.searchsorted(-np.linalg.norm(path - path[-1], axis=1), -0.3))
-    how = {"arrowstyle": "-|>", "color": colour, "lw": 1.5, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 14}
-    ax.annotate("", path[-1], path[min(back, len(path) - 2)], arrowprops=how)
+    arrow(ax, path, len(path) - 1, colour)
 
 
 @picture(
@@ -146,13 +143,12 @@ def race_collapse(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 1e-2, 1
     """Draw races at distances eta_hat from F (natural units), and the +-arctan to which they tend, Lemma 6."""
     x = np.sinh(np.linspace(-math.asinh(_SEEN), math.asinh(_SEEN), 401))
     for sign, name in SIDES.items():
-        known = r"$\pm\arctan$" if sign > 0 else None
-        ax.plot(x, sign * np.arctan(x), color=_GREY, lw=7.0, alpha=0.45, label=known)
+        ax.plot(x, sign * np.arctan(x), color=_GREY, lw=7.0, alpha=0.45, label=r"$\pm\arctan$")
         ax.text(2.2, sign * 0.62, name, color=SIGN_COLOURS[sign], fontsize=TEXT, ha="left", va="center")
     for place, one in enumerate(followed(disk, _on_both_sides(eta_hat))):
         seen, side = abs(one.stretched) <= _SEEN, 1 if one.eta_hat > 0.0 else -1
         look: dict[str, Any] = {"color": SIGN_COLOURS[side], "ls": _STYLES[place // 2 % len(_STYLES)], "lw": 1.8}
-        ax.plot(one.stretched[seen], one.raced[seen], **look, label=_size(one.eta_hat) if side > 0 else None)
+        ax.plot(one.stretched[seen], one.raced[seen], **look, label=_size(one.eta_hat))
     ax.set_xscale("asinh", linear_width=1.0)
     ax.set_xlim(-_SEEN, _SEEN)
     ax.minorticks_off()

@@ -107,7 +107,7 @@ def angle_of_contact(ax: Axes, both: BothSides, side: int, chi0: float = 0.0) ->
     """Draw chi of one side and of its limit, from chi0 on, with an arrow as long as the first race."""
     limit = both.limits[side].chi + chi0
     ax.plot(both.t, both.motions[side]["chi"] + chi0, color=SIGN_COLOURS[side], lw=1.8, label=_side(both, side))
-    ax.plot(both.t, limit, **_LIMIT, label=_once(ax, "limit of each side"))
+    ax.plot(both.t, limit, **_LIMIT, label="limit of each side")
     end, race = limit[np.searchsorted(both.t, both.impacts[0])], side * both.disk.race_limit
     x, width = both.impacts[0], both.t[-1] - both.t[0]
     ends: dict[str, Any] = {"arrowstyle": "<->", "color": LAW, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
@@ -130,7 +130,7 @@ def contact_paths(ax: Axes, both: BothSides) -> None:
     """
     for side in SIGN_COLOURS:
         path_on_table(ax, both, side, "contact", ls="-" if side > 0 else (0, (5, 1.5)))
-    plus, limit, start, minus = ax.get_legend_handles_labels()[0]
+    plus, limit, start, minus, *_ = ax.get_legend_handles_labels()[0]
     legend_below(ax, handles=[plus, minus, limit, start])
     apart = abs(math.remainder(both.disk.gap, 2.0 * math.pi))
     leave = f"the sides leave a fall {apart:.3f} rad apart" if apart > 1e-9 else "both sides have the same limit"
@@ -145,12 +145,12 @@ def path_on_table(ax: Axes, both: BothSides, side: int, what: str, chi0: float =
     limit = both.limit_path(side) if what == "contact" else both.limits[side].path
     path, limit = (_turned(each, chi0) / both.disk.r for each in (both.motions[side][what], limit))
     ax.plot(*path.T, **{"color": SIGN_COLOURS[side], "lw": 1.8, "label": _side(both, side), **look})
-    ax.plot(*limit.T, **_LIMIT, label=_once(ax, "limit of each side"))
+    ax.plot(*limit.T, **_LIMIT, label="limit of each side")
     swings = both.impacts + 0.33 * (both.impacts[1] - both.impacts[0])  # the centre nearly stands still in a race
     shown = [*_in_race(both, side), len(path) - 1] if what == "contact" else np.searchsorted(both.t, swings)
     for row in shown:
         arrow(ax, path, min(int(row), len(path) - 1), SIGN_COLOURS[side])
-    ax.plot(*path[0], marker="o", ls="", color=LAW, ms=6, label=_once(ax, "start"))
+    ax.plot(*path[0], marker="o", ls="", color=LAW, ms=6, label="start")
     ax.set_aspect("equal", adjustable="box")
 
 
@@ -174,11 +174,6 @@ def _in_race(both: BothSides, side: int) -> Iterator[int]:
         around = np.arange(max(middle - len(chi) // 8, 0), min(middle + len(chi) // 8, len(chi)))
         for share in (-0.25, 0.25):
             yield int(around[abs(chi[around] - chi[middle] - share * race).argmin()])
-
-
-def _once(ax: Axes, label: str) -> str | None:
-    """A label that the legend has not yet."""
-    return None if label in ax.get_legend_handles_labels()[1] else label
 
 
 def _named(both: BothSides) -> str:

@@ -123,21 +123,18 @@ def _separatrices(potential: Potential) -> list[Curve]:
     return [potential.curve(piece) for each in potential.separatrices() for piece in each.branches]
 
 
-def _mirrored(ax: Axes, curves: Sequence[Curve], label: str | None = None, **look: Any) -> None:
-    """Draw both halves of levels, phidot >= 0 and <= 0, with one entry in the legend."""
-    for place, (phi, speed) in enumerate(curves):
-        ax.plot(phi, speed, **look, label=None if place else label)
-        ax.plot(phi, -speed, **look)
+def _mirrored(ax: Axes, curves: Sequence[Curve], **look: Any) -> None:
+    """Draw both halves of levels, phidot >= 0 and <= 0."""
+    for phi, speed in curves:
+        ax.plot(phi, np.stack([speed, -speed], axis=1), **look)
 
 
 def _flat_states(ax: Axes, potential: Potential) -> None:
     """Flat states behind a wall, and those that motions reach."""
-    named: set[str] = set()
     for face in (-1, 1):
         wall = bool(np.isinf(potential.at_flat(face)))
         name, dashes, width = ("wall at flat", "-", 4.0) if wall else ("flat, reached", ":", 2.5)
-        ax.axvline(face * HALF_PI, color=WALL, ls=dashes, lw=width, label=None if name in named else name)
-        named.add(name)
+        ax.axvline(face * HALF_PI, color=WALL, ls=dashes, lw=width, label=name)
 
 
 def _arrows(ax: Axes, curves: Sequence[Curve], least: float, size: float = 11.0) -> None:
@@ -158,13 +155,13 @@ def _shade(ax: Axes, potential: Potential, fastest: float) -> None:
         ax.fill_between(phi, sign * edge, sign * fastest, color=FALLS, lw=0, zorder=0)
 
 
-def _mark(ax: Axes, potential: Potential, at_energy: bool = False, named: bool = True) -> None:
+def _mark(ax: Axes, potential: Potential, at_energy: bool = False) -> None:
     """Mark the equilibria, at phidot = 0 or at their energy."""
     for kind, marker in _MARKS.items():
         there = [(at.phi, at.energy if at_energy else 0.0) for at in potential.equilibria if at.kind == kind]
         if there:
             style: dict[str, Any] = {"color": STEADY, "mec": "white", "ms": 9, "ls": "", "zorder": 5}
-            ax.plot(*np.transpose(there), marker=marker, label=kind if named else None, **style)
+            ax.plot(*np.transpose(there), marker=marker, label=kind, **style)
 
 
 def _line(potential: Potential) -> str:
@@ -276,7 +273,6 @@ def potentials(ax: Axes, several: Sequence[Potential], near_flat: bool = False) 
     top = max(float(each.V(0.0)) for each in several) + (0.2 if near_flat else 0.6) * disk.energy_unit
     ordered = sorted(several, key=lambda each: (each.hat != 0.0, each.hat < 0.0, abs(each.hat)))
     signs = [int(np.sign(each.hat)) for each in ordered]
-    named: set[str] = set()
     for place, (potential, side) in enumerate(zip(ordered, signs, strict=True)):
         alone = signs.count(side) == 1
         style = {"color": DARK, "lw": 2.4}
@@ -288,10 +284,9 @@ def potentials(ax: Axes, several: Sequence[Potential], near_flat: bool = False) 
             else rf"$\hat\eta$ {'>' if side > 0 else '<'} 0"
         )
         name = name if side else r"on the line, $\hat\eta$ = 0"
-        _curve(ax, potential, near_flat, top, {**style, "label": None if name in named else name})
-        named.add(name)
+        _curve(ax, potential, near_flat, top, {**style, "label": name})
         if not near_flat:
-            _mark(ax, potential, at_energy=True, named=place == 0)
+            _mark(ax, potential, at_energy=True)
         if side == 0:
             _end_at_flat(ax, potential, near_flat)
     ax.set_ylim(-0.05 * top, top)  # V_0, hardly above 0, stands clear of the axis

@@ -55,11 +55,7 @@ def race_histogram(
         heights = {side: np.sum([binned(part, edges) for part in both], axis=0) for side, both in parts.items()}
         tallest = max((height.max() for height in heights.values()), default=0.0) or 1.0
         for side, height in heights.items():
-            look: dict[str, Any] = {
-                "fill": True,
-                "color": SIGN_COLOURS[side],
-                "label": None if row else SIDES[side],
-            }
+            look: dict[str, Any] = {"fill": True, "color": SIGN_COLOURS[side], "label": SIDES[side]}
             below.stairs(row + side * _TALLEST * height / tallest, edges, baseline=row, **look)
         below.axhline(row, color=LAW, lw=0.6)
     below.set_xscale("log")

@@ -7,7 +7,6 @@ from matplotlib.axes import Axes
 from matplotlib.contour import ContourSet
 from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse
-from matplotlib.patheffects import withStroke
 
 from explorer.errors import InputError
 from explorer.motion.periods import periods
@@ -15,7 +14,17 @@ from explorer.phase.disk import Disk
 from explorer.phase.linear_constants import line_slope
 from explorer.phase.states import Array, phi_to_states
 from explorer.pictures.register import Question, picture
-from explorer.pictures.style import DARK, SIGNED_COLOURS, SMALL, TEXT, colour_bar, label, legend_below, number
+from explorer.pictures.style import (
+    DARK,
+    HALO,
+    SIGNED_COLOURS,
+    SMALL,
+    TEXT,
+    colour_bar,
+    label,
+    legend_below,
+    number,
+)
 
 
 @picture(
@@ -64,8 +73,7 @@ def _number(ax: Axes, lines: ContourSet) -> None:
             x, y = points[np.argmax(abs(points[:, 0 if level else 1]))]
             place: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": SMALL}
             away = (8.0 * np.sign(level), 0.0) if level else (8.0, -12.0 * np.sign(y))
-            text = ax.annotate(number(level), (x, y), away, textcoords="offset points", **place)
-            text.set_path_effects([withStroke(linewidth=2.5, foreground="#FFFFFFB0")])
+            ax.annotate(number(level), (x, y), away, textcoords="offset points", path_effects=HALO, **place)
 
 
 def rotation_numbers(disk: Disk, energy: float, points: int) -> tuple[Array, Array, Array]:

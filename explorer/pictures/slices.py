@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, one_of
@@ -21,6 +20,7 @@ from explorer.phase.states import COORDINATES, Array
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import (
     DARK,
+    HALO,
     LAW,
     MINUS,
     OTHER_COLOURS,
@@ -189,8 +189,7 @@ def _name_sides(ax: Axes, cut: SliceMap, signed: Array) -> None:
                 depth = distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
                 row, column = np.unravel_index(int(np.argmax(depth)), depth.shape)
                 place: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": SMALL, "color": DARK}
-                text = ax.text(cut.x[column], cut.y[row], name, **place)
-                text.set_path_effects([withStroke(linewidth=2.5, foreground="#FFFFFFB0")])
+                ax.text(cut.x[column], cut.y[row], name, path_effects=HALO, **place)
 
 
 @picture(

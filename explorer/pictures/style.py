@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from explorer.phase.columns import ANGLE, COLUMNS, ENERGY
 from explorer.phase.coordinates import ANGULAR
@@ -48,6 +49,7 @@ FALLS, BOUNCES, UNSTABLE = "#C9BFD9", "#F8F6EE", "#D9D4C5"
 
 HALF_PI = 0.5 * np.pi
 FLAT_TICKS = ([-HALF_PI, -0.5, 0.0, 0.5, HALF_PI], ["−π/2", "−0.5", "0", "0.5", "π/2"])
+HALO = [withStroke(linewidth=2.5, foreground="#FFFFFFB0")]  # of words that stand on colours
 BEYOND = "beyond"  # gid of what marks data outside the axes
 _SYMBOLS = {
     "phi": r"$\varphi$",
@@ -167,14 +169,16 @@ def legend_below(ax: Axes, ncols: int = 2, **options: Any) -> None:
 
 def legend_of_all(figure: Figure, panels: Iterable[Axes], ncols: int = 2, more: Iterable[Artist] = ()) -> None:
     """A legend under a figure, of all that its panels name, and more."""
-    named = {label: each for ax in panels for each, label in zip(*ax.get_legend_handles_labels(), strict=True)}
-    handles = by_rows([*more, *named.values()], ncols)
+    handles = by_rows([*more, *(each for ax in panels for each in ax.get_legend_handles_labels()[0])], ncols)
     figure.legend(handles=handles, loc="outside lower center", fontsize=SMALL, frameon=False, ncols=ncols)
 
 
-def by_rows(entries: Sequence[Any], ncols: int) -> list[Any]:
-    """Entries in the order in which matplotlib, which fills columns, puts them one after another into rows."""
-    return [each for column in range(ncols) for each in entries[column::ncols]]
+def by_rows(entries: Iterable[Any], ncols: int) -> list[Any]:
+    """Entries in the order in which matplotlib, which fills columns, puts them into rows; each label once."""
+    named: dict[str, Any] = {}
+    for each in entries:
+        named.setdefault(each.get_label(), each)
+    return [each for column in range(ncols) for each in [*named.values()][column::ncols]]
 
 
 def arrow(ax: Axes, path: Array, row: int, colour: str, size: float = 17.0) -> None:

@@ -45,7 +45,7 @@ def estimate(scene: Scene, settings: Settings) -> RunCost:
     jobs, count = min(settings.jobs, scene.chunks), scene.chunks
     # A command starts as this one did; in Python all is loaded by now.
     starting = time.process_time() + _LOADING if settings.command is not None else 0.0
-    compiled.compile_missing(scene.kernels, lambda text: note(text, not settings.progress))
+    compiled.warmup(scene.kernels, lambda text: note(text, not settings.progress))
     probed = _to_probe(scene)
     make_chunk(scene, probed[0], "", None)  # loads compiled code and fills caches, which no other has to do
     began = time.process_time()  # of the processor, so that other programs do not count

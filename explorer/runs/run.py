@@ -18,6 +18,7 @@ from explorer import compiled
 from explorer.errors import InputError, Interrupted, RunError, flag, note, one_of, printable, shorten, words
 from explorer.measure.tallies import ByName
 from explorer.paths import command_line, on_disk, path_of
+from explorer.phase.results import Columns
 from explorer.runs import folder as folders
 from explorer.runs import store
 from explorer.runs.estimate import require_room
@@ -25,7 +26,7 @@ from explorer.runs.interrupt import stopping
 from explorer.runs.settings import FORMATS, Making, Settings, samples_of
 from explorer.runs.workers import compute_all
 from explorer.scenes.options import plain
-from explorer.scenes.scene import Picture, Scene, Table
+from explorer.scenes.scene import Picture, Scene
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Columns = Sequence[str] | None
+Names = Sequence[str] | None
 _FIRST_LINE = 5.0  # seconds until a log file says how far a run is
 _LINE = "{desc}: {percentage:.0f} %, {n_fmt} of {total_fmt} samples, {rate_fmt}, {remaining} left{postfix}"
 
@@ -229,7 +230,7 @@ class Run:
         picture = known[one_of("figure", name, known)]
         return whole_figure(picture(**options) if ax is None else picture(ax=ax, **options))
 
-    def tables(self, columns: Columns = None) -> Iterator[Table]:
+    def tables(self, columns: Names = None) -> Iterator[Columns]:
         """The kept samples chunk by chunk, in order, as arrays by name. Raises RunError where one is missing.
 
         Examples
@@ -241,7 +242,7 @@ class Run:
         """
         return map(store.table_of, self._rows(columns))
 
-    def _rows(self, columns: Columns) -> "Iterator[pa.Table]":
+    def _rows(self, columns: Names) -> "Iterator[pa.Table]":
         """Some columns of all chunks, in order."""
         chunks = self.complete()
         known = chunks[0].columns()
@@ -249,7 +250,7 @@ class Run:
         names = [one_of("column", name, known) for name in asked] or known
         return (chunk.arrow(names) for chunk in chunks)
 
-    def arrow(self, columns: Columns = None) -> "pa.Table":
+    def arrow(self, columns: Names = None) -> "pa.Table":
         """The kept samples as an Arrow table; each field says its meaning, unit and equation in its metadata.
 
         columns: names, all by default. Raises InputError for a column that the run does not have.
@@ -266,7 +267,7 @@ class Run:
         # A user's own column of whole numbers may lack one in another chunk, and is of doubles there.
         return pa.concat_tables(self._rows(columns), promote_options="permissive").unify_dictionaries()
 
-    def frame(self, columns: Columns = None) -> "pd.DataFrame":
+    def frame(self, columns: Names = None) -> "pd.DataFrame":
         """The kept samples as a pandas DataFrame, status by name.
 
         columns: names, all by default. Raises InputError for a column that the run does not have.

@@ -6,9 +6,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, ClassVar
 
-import numpy as np
-
-from explorer.errors import InputError, one_of, whole, words
+from explorer.errors import InputError, one_of, words
 from explorer.paths import command_line
 from explorer.scenes.options import FOLDER, TEXT, TRUTH, Options, Reader, option, options_of, word_of, workers
 from explorer.scenes.scene import Scene, scene_class
@@ -25,17 +23,6 @@ def read_formats(name: str, value: Any) -> tuple[str, ...]:
     """Read formats of pictures: "png,svg", or a list of names. Raises InputError."""
     names = value.split(",") if isinstance(value, str) else words(name, value)
     return tuple(dict.fromkeys(one_of(name, each.strip().lower(), KNOWN_FORMATS) for each in names))
-
-
-def read_rng(name: str, value: Any) -> int:
-    """A seed from an int, or from a SeedSequence or Generator of numpy, which give 128 bits. Raises InputError."""
-    if isinstance(value, np.random.SeedSequence):
-        if not value.spawn_key and isinstance(value.entropy, int) and value.entropy < 2**128:
-            return value.entropy
-        return int.from_bytes(value.generate_state(4).astype("<u4").tobytes(), "little")
-    if isinstance(value, np.random.Generator):
-        return int.from_bytes(value.integers(0, 2**32, 4, dtype=np.uint32).astype("<u4").tobytes(), "little")
-    return whole(name, value, high=2**128 - 1)
 
 
 class Making(Options):
@@ -84,10 +71,6 @@ class Settings(Making):
         "False prints nothing; otherwise a bar, or lines in a log file, appear if the run takes over some seconds",
         default=True,
     )
-    rng: int | None = option(
-        Reader(read_rng, None, "int | np.random.SeedSequence | np.random.Generator"),
-        "another name of `seed`; it may also be a SeedSequence or a Generator of numpy",
-    )
 
     @property
     def onward(self) -> str:
@@ -108,10 +91,6 @@ def asked(name: Any, given: Mapping[str, Any], command: str | None = None) -> tu
     said = {name: value for name, value in given.items() if value is not None}
     known = {each.name for each in options_of(Settings)}
     settings = Settings.of({name: said.pop(name) for name in [*said] if name in known})
-    if settings.rng is not None:
-        if "seed" in said:
-            raise InputError("rng and seed set the same; leave one out")
-        said["seed"] = settings.rng
     kind = scene_class(name)
     taken = {*_WORDS, *known} & {each.name for each in options_of(kind)}
     if taken:

@@ -27,9 +27,10 @@ from numpy.typing import NDArray
 from explorer.errors import RunError, shorten
 from explorer.motion.threads import require_wanted
 from explorer.paths import on_disk
-from explorer.phase.results import status_codes, to_arrow
+from explorer.phase.columns import COLUMNS
+from explorer.phase.results import Columns, status_codes, to_arrow
 from explorer.runs.machine import arithmetic
-from explorer.scenes.scene import Scene, Table
+from explorer.scenes.scene import Scene
 
 NAME = r"chunk-[0-9]{6}-[0-9a-f]{16}\.parquet"
 BEGUN = rf"\.({NAME}|run\.json|summary\.json)\.[0-9]+\.tmp"  # while it is written
@@ -141,9 +142,7 @@ Done = tuple[Chunk, dict[str, int]]  # a chunk, and in which status its samples 
 def make_chunk(scene: Scene, index: int, identity: str, folder: Path | None) -> Done:
     """Compute a chunk, and write it where there is a folder; and in which status its samples ended."""
     table, tally = scene.chunk(index)
-    arrow, own = to_arrow(table), scene.columns if isinstance(scene.columns, dict) else {}
-    fields = [field.with_metadata(own[field.name].texts) if field.name in own else field for field in arrow.schema]
-    arrow = arrow.cast(pa.schema(fields)) if own else arrow
+    arrow = to_arrow(table, known=COLUMNS | (scene.columns if isinstance(scene.columns, dict) else {}))
     read = {name: _values(arrow.column(name)) for name in table if table[name].dtype.kind not in "fiub"}
     note = {"index": index, "identity": identity, "drawn": scene.drawn(index), "tally": tally.state()}
     note["digest"], note["arithmetic"] = digest_of({**table, **read}, note["tally"]), arithmetic()
@@ -183,7 +182,7 @@ def _noted(file: pq.ParquetFile) -> dict[str, Any]:
     return dict(json.loads(metadata[_NOTE]))
 
 
-def table_of(arrow: pa.Table) -> Table:
+def table_of(arrow: pa.Table) -> Columns:
     """Rows as arrays."""
     return {name: _values(arrow.column(name)) for name in arrow.column_names}
 
@@ -197,7 +196,7 @@ def _values(column: pa.ChunkedArray) -> NDArray[Any]:
     return np.asarray(codes[np.asarray(names.indices)])
 
 
-def digest_of(table: Table, tally: dict[str, Any]) -> str:
+def digest_of(table: Columns, tally: dict[str, Any]) -> str:
     """SHA-256 over the kept rows and the counts of all: equal digests are equal numbers."""
     digest = hashlib.sha256(json.dumps(tally, sort_keys=True).encode())
     for name, values in table.items():

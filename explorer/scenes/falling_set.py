@@ -15,17 +15,18 @@ from numpy.typing import NDArray
 
 from explorer.measure import statistics
 from explorer.measure.slices import ConstantsPlane, Slice, slice_map
-from explorer.measure.tallies import ByName, Least, LogHistogram, count_status
+from explorer.measure.tallies import ByName, Least, LogHistogram
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import falling_set
 from explorer.phase.constants import constants
 from explorer.phase.energy import eta_to_eta_hat
 from explorer.phase.falling_set import Location, located
 from explorer.phase.linear_constants import rows_of
+from explorer.phase.results import Columns, count_status, stacked
 from explorer.phase.states import COORDINATES, Array, States, joined_states
 from explorer.scenes.given_states import Block
 from explorer.scenes.options import Reader, option, whole_from, word_of
-from explorer.scenes.scene import MANY, Counts, Picture, Table, joined
+from explorer.scenes.scene import MANY, Counts, Picture
 from explorer.scenes.starts import FromStates
 
 if TYPE_CHECKING:
@@ -103,8 +104,8 @@ class FallingSet(FromStates):
 
     # Samples
 
-    def chunk(self, index: int) -> tuple[Table, FallingCounts]:
-        tally, tables, states = FallingCounts(), list[Table](), list[States]()
+    def chunk(self, index: int) -> tuple[Columns, FallingCounts]:
+        tally, tables, states = FallingCounts(), list[Columns](), list[States]()
         everything = "all" in (self.theta_min, self.keep)
         for block in self.blocks(index):
             here = located(block.states)
@@ -117,21 +118,21 @@ class FallingSet(FromStates):
             tables.append(self._table(some, rows_of(here, rows)))
             states.append(some.states)
         # Few states of a block are near F: those of a chunk are followed together.
-        table = joined(tables)
+        table = stacked(tables)
         self._follow(table, joined_states(states))
         tally.status += count_status(table["status"])
         self._count_tilts(tally, table)
         return self.kept(table), tally
 
-    def _table(self, block: Block, here: Location) -> Table:
+    def _table(self, block: Block, here: Location) -> Columns:
         """Everything about a few states but their theta_min."""
         known, n = constants(block.states), block.states.size
         names = "sigma3_bar", "eta_hat_plus", "eta_hat_minus", "energy"
-        table: Table = {name: getattr(known, name) for name in names}
+        table: Columns = {name: getattr(known, name) for name in names}
         table |= {"face": here.face, "could_fall": here.could, "theta_min": np.full(n, np.nan)}
         return block.with_results(table | {"status": here.status, "steps": np.zeros(n, np.int32)})
 
-    def _follow(self, table: Table, states: States) -> None:
+    def _follow(self, table: Columns, states: States) -> None:
         """theta_min, and what became of the states for which it is wanted -> table."""
         wanted = np.full(states.size, self.theta_min == "all") | (self.theta_min == "near" and self.near(table))
         rows = np.flatnonzero(wanted)
@@ -141,7 +142,7 @@ class FallingSet(FromStates):
             for name, values in zip(("theta_min", "status", "steps"), found, strict=True):
                 table[name][some] = values
 
-    def near(self, table: Table) -> NDArray[np.bool_]:
+    def near(self, table: Columns) -> NDArray[np.bool_]:
         distance = np.fmin(abs(table["eta_hat_plus"]), abs(table["eta_hat_minus"]))
         return np.asarray((distance <= self.tube) & table["could_fall"])
 
@@ -156,7 +157,7 @@ class FallingSet(FromStates):
         tally.could_fall += int(np.count_nonzero(here.could))
         tally.distance.count(distance[here.could])
 
-    def _count_tilts(self, tally: FallingCounts, table: Table) -> None:
+    def _count_tilts(self, tally: FallingCounts, table: Columns) -> None:
         """theta_min, and the smallest one in each cell of the plane of constants, as a code."""
         known = np.flatnonzero(np.isfinite(table["theta_min"]))
         theta = table["theta_min"][known]

@@ -20,19 +20,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer import compiled
 from explorer.errors import InputError, double_of, number, said, shorten
 from explorer.paths import path_of
 from explorer.phase.columns import COLUMNS
 from explorer.phase.constants import constants
 from explorer.phase.coordinates import CHARTS, KNOWN, Chart, angle_unit, recognise
 from explorer.phase.disk import Disk
+from explorer.phase.results import Columns, Table
 from explorer.phase.states import COORDINATES, Array, States
 
 if TYPE_CHECKING:
     import pyarrow as pa
-
-Columns = dict[str, NDArray[Any]]
 
 _PARQUET, _GZIP = b"PAR1", b"\x1f\x8b"  # how such files begin
 _HEAD = 1 << 16  # characters of a CSV file that show how it is written
@@ -54,7 +52,7 @@ class Block(NamedTuple):
     columns: Columns
     own: Columns
 
-    def at(self, rows: NDArray[np.intp]) -> "Block":
+    def at(self, rows: NDArray[np.intp] | slice) -> "Block":
         """Some of the states."""
         columns, own = ({name: values[rows] for name, values in part.items()} for part in self[1:])
         return Block(self.states.at(rows), columns, own)
@@ -263,8 +261,7 @@ class GivenStates:
 
 def coordinates_of(states: States) -> Columns:
     """phi, phidot, sigma3, sigma4 in the units of the disk; NaN where there is no state."""
-    good = states.status != compiled.status.Status.BAD_INPUT
-    return {name: np.where(good, getattr(states, name), np.nan) for name in COORDINATES}
+    return {name: getattr(states, name) for name in COORDINATES}
 
 
 def _require_still(what: str, path: Path, stamps: tuple[Any, ...]) -> None:
@@ -311,8 +308,8 @@ def _table(given: Any, what: str) -> "pa.Table":
     """
     import pyarrow as pa
 
-    if isinstance(getattr(given, "columns", None), Mapping):  # a result of a call
-        given = {name: values.ravel() for name, values in given.columns.items()}
+    if isinstance(given, Table):  # a result of a call
+        return given.to_arrow()
     try:
         if hasattr(given, "to_frame") and hasattr(given, "iloc"):  # a row of a frame of pandas
             if given.name in KNOWN or {*map(type, given.index)} != {str}:

@@ -20,14 +20,15 @@ from explorer.measure.falling_constant import FallingConstant, constant_of
 from explorer.measure.importance_sampling import FEWEST, KERNELS, NearFallingSet, Rare
 from explorer.measure.laws import Estimate, Law
 from explorer.measure.sampling import Range, Stream, numbered_stream
-from explorer.measure.tallies import Histogram, count_status
-from explorer.measure.tubes import widest_eta
+from explorer.measure.tallies import Histogram
+from explorer.measure.tubes import may_come
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase.arguments import read_range
 from explorer.phase.energy import eta_to_eta_hat
+from explorer.phase.results import Columns, count_status, stacked
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.scenes.options import Reader, option, whole_from
-from explorer.scenes.scene import SAMPLES, Counts, Picture, Table, joined
+from explorer.scenes.scene import SAMPLES, Counts, Picture
 from explorer.scenes.starts import FromDensity
 
 _BATCH = 1 << 14  # draws near F of a chunk; the last of a rung and face may have fewer
@@ -160,44 +161,42 @@ class MeasureZero(FromDensity):
         count = self.length(index)  # of a batch, which has a stream of its own
         return iter([(numbered_stream(self.seed, index), count, range(count))])
 
-    def chunk(self, index: int) -> tuple[Table, ZeroCounts]:
+    def chunk(self, index: int) -> tuple[Columns, ZeroCounts]:
         table, tally = self._plain(index) if index >= self._in_tubes else self._batch(index)
         tally.status += count_status(table["status"])
         return self.kept(table), tally
 
-    def near(self, table: Table) -> NDArray[np.bool_]:
+    def near(self, table: Columns) -> NDArray[np.bool_]:
         """Plain draws flatter than the first rung."""
         near: NDArray[np.bool_] = np.isnan(table["delta"]) & (table["theta_min"] < self.deltas[0])
         return near
 
-    def _batch(self, index: int) -> tuple[Table, ZeroCounts]:
+    def _batch(self, index: int) -> tuple[Columns, ZeroCounts]:
         """Draws near F. sigma3 and sigma4 are NaN: doubles do not hold such a small eta_hat as a difference."""
         place, ((random, count, _),), tally = index // self._batches, self.streams(index), ZeroCounts()
         rung, face = place // 2, 1 if place % 2 == 0 else -1
-        parts, tables = self.near_f.draw(face, float(self.deltas[rung]), random, count), list[Table]()
+        parts, tables = self.near_f.draw(face, float(self.deltas[rung]), random, count), list[Columns]()
         for number, part in enumerate(parts):
             tally.near += [[rung, face, number, *part.sums(float(self.deltas[rung]))]]
             none = np.full(part.status.size, np.nan)
             drawn = {"phi": part.states.phi, "phidot": part.states.phidot, "sigma3": none, "sigma4": none}
             on_plus, weight = np.full(none.size, face > 0), part.weight / self.share
             tables.append(self._table(part.states, drawn, on_plus, self.deltas[rung], weight, *part[2:]))
-        return joined(tables), tally
+        return stacked(tables), tally
 
-    def _plain(self, index: int) -> tuple[Table, ZeroCounts]:
+    def _plain(self, index: int) -> tuple[Columns, ZeroCounts]:
         """Draws from the density."""
-        table, tally = joined([*map(self.observe, self.blocks(index))]), ZeroCounts()
+        table, tally = stacked([*map(self.observe, self.blocks(index))]), ZeroCounts()
         tally.status["not followed"] += self.length(index) - table["status"].size
         tally.falls += int((table["status"] == compiled.status.Status.FALLS).sum())
         place = np.searchsorted(self.deltas[::-1], table["theta_min"], "right")
         tally.below = Histogram(np.bincount(place, minlength=self.deltas.size + 1))
         return table, tally
 
-    def observe(self, drawn: Table) -> Table:
+    def observe(self, drawn: Columns) -> Columns:
         """Those draws that could come flatter than the first rung; theta_min is 0 for those that fall."""
         states = phi_to_states(self.disk, **drawn)
-        motion = states.motion
-        distance = abs(eta_to_eta_hat(self.disk.body, motion.eta(motion.nearer_plus)))
-        rows = np.flatnonzero(distance <= widest_eta(motion.energy, self.deltas[0], self.disk))
+        rows = np.flatnonzero(may_come(states, self.deltas[0]))
         states, drawn = states.at(rows), {name: values[rows] for name, values in drawn.items()}
         theta, status, _ = smallest_tilt(states, self.plan)
         theta = np.where(status == compiled.status.Status.FALLS, 0.0, theta)
@@ -207,13 +206,13 @@ class MeasureZero(FromDensity):
     def _table(
         self,
         states: States,
-        drawn: Table,
+        drawn: Columns,
         on_plus: NDArray[np.bool_],
         delta: float,
         weight: Array,
         theta_min: Array,
         status: NDArray[np.int8],
-    ) -> Table:
+    ) -> Columns:
         """All columns of draws, near F or plain."""
         motion, disk = states.motion, self.disk
         return {

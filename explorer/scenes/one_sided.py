@@ -16,17 +16,18 @@ from explorer.errors import InputError
 from explorer.measure.distributions import Distribution
 from explorer.measure.races import SIDES
 from explorer.measure.sampling import Range, numbered_stream
-from explorer.measure.tallies import ByName, count_status
+from explorer.measure.tallies import ByName
 from explorer.motion import limit_motions
 from explorer.motion.both_sides import QUANTITIES, both_sides, limits_from, sample_times
 from explorer.motion.plan import TIGHTEST
 from explorer.motion.trajectories import trajectories_by
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.results import Columns, count_status, stacked
 from explorer.phase.states import Array
 from explorer.scenes.options import BOX, DISK, NUMBER, RANGE, option, plain
-from explorer.scenes.scene import SAMPLES, Counts, Picture, Scene, Table, joined
-from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, box_near_f, check_eta_hat, starts_near_f
+from explorer.scenes.scene import SAMPLES, Counts, Picture, Scene
+from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, box_near_f, eta_hat_span, starts_near_f
 
 BLOCK = 8  # starts per chunk
 # A distance from the limit is some eta ln(1/eta), and a motion errs by up to fifty times its accuracy where its
@@ -81,13 +82,13 @@ class OneSided(Scene):
         super().__post_init__()
         for disk in self.disk:
             require_axial_inertia(disk)
-            check_eta_hat(self.span(disk), disk)
+            self.span(disk)
         if len({disk.name for disk in self.disk}) < len(self.disk):
             raise InputError("disk: one-sided needs different names; name disks in TOML files")
 
     def span(self, disk: Disk) -> Range:
         """|eta_hat| in the units of the disk; 1e-6 to 1e-1 natural units unless given."""
-        return self.eta_hat or (1e-6 * disk.rate_unit, 1e-1 * disk.rate_unit)
+        return eta_hat_span(disk, self.eta_hat, (1e-6, 1e-1))
 
     @property
     def fine_enough(self) -> float:
@@ -125,18 +126,18 @@ class OneSided(Scene):
     def kernels(self) -> tuple[str, ...]:
         return *limit_motions.KERNELS, self.plan.in_time.kernel
 
-    def chunk(self, index: int) -> tuple[Table, Approach]:
+    def chunk(self, index: int) -> tuple[Columns, Approach]:
         (disk, first, _), tally = self.parts[index], Approach()
         tables = [self._approach(disk, first + i, start) for i, start in enumerate(self.starts(index))]
         for table in tables:
             distance, chi = (table[name].reshape(2, -1) for name in ("distance", "chi_between"))
             tally.distances[disk.name] += [plain(distance)]
             tally.apart[disk.name] += plain(chi[:1, -1] - chi[1:, -1])
-        table = joined(tables)
+        table = stacked(tables)
         tally.status += count_status(table["status"])
         return table, tally
 
-    def _approach(self, disk: Disk, base: int, start: dict[str, float]) -> Table:
+    def _approach(self, disk: Disk, base: int, start: dict[str, float]) -> Columns:
         """All rungs of the ladder, both signs, beside one point of F."""
         eta_hat = np.concatenate([self.ladder(disk), -self.ladder(disk)])
         limits = limits_from(coordinates_to_states(disk, degrees=False, eta_hat=0.0, **start))
@@ -145,7 +146,7 @@ class OneSided(Scene):
         motion = trajectories_by(beside, self.plan, times, QUANTITIES)
         assert motion.chi is not None
         fixed = {"base": base, "sigma3_bar": start["sigma3_bar"], "phidot": start["phidot"]}
-        columns: Table = {name: np.full(eta_hat.size, value) for name, value in fixed.items()}
+        columns: Columns = {name: np.full(eta_hat.size, value) for name, value in fixed.items()}
         columns |= {"eta_hat": eta_hat, "status": motion.status}
         both = [limits[side](times) for side in SIDES.values()]  # every rung of a side has the same
         for name in QUANTITIES:

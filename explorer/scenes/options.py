@@ -45,6 +45,7 @@ def option(
     words: str = "",
     follows: Callable[[Any, Any], Any] | None = None,
     key: str = "",
+    also: str = "",
     several: bool = False,
     required: bool = False,
 ) -> Any:
@@ -52,14 +53,14 @@ def option(
 
     text: for help, and words: its default, where the value does not say it. follows: called with all options and
     with what was read, None where nothing was given; returns the value. key: what records call it that list
-    one or several, as `slices` for slice. several: whether the value is a tuple, of one or of a list, and the flag
-    may be given more than once. required: whether it must be given.
+    one or several, as `slices` for slice. also: another name that it has in Python. several: whether the value is
+    a tuple, of one or of a list, and the flag may be given more than once. required: whether it must be given.
     """
     if several:
         accepts = f"{reader.accepts} | Sequence[{reader.accepts}]"
         reader = Reader(partial(_read_all, reader.read), reader.metavar, accepts)
     about = {"reader": reader, "text": text, "words": words, "follows": follows, "required": required}
-    return field(default=default, metadata={**about, "key": key, "several": several})
+    return field(default=default, metadata={**about, "key": key, "also": also, "several": several})
 
 
 def workers(text: str) -> Any:
@@ -68,7 +69,13 @@ def workers(text: str) -> Any:
     return option(whole_from(1, MOST_JOBS), text, words=words, follows=lambda self, given: given or usable_cores())
 
 
-@dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(option, workers))
+def seeded() -> Any:
+    """An option that says which random numbers are drawn."""
+    kinds = "int | float | str | np.random.SeedSequence | np.random.Generator"
+    return option(Reader(read_rng, "S", kinds), "seed of the random streams", default=0, also="rng")
+
+
+@dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(option, workers, seeded))
 class Options:
     """Fields that are options; a subclass is a frozen dataclass without saying so."""
 
@@ -100,7 +107,7 @@ class Options:
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> Self:
         """From names and values; None leaves the default. Raises InputError for a name that is no option."""
-        known = {name: each.name for each in options_of(cls) for name in (each.name, key_of(each))}
+        known = {name: each.name for each in options_of(cls) for name in (key_of(each), *names_of(each))}
         for name in given:
             if name not in known:
                 what, names = getattr(cls, "name", cls.__name__.lower()), [each.name for each in options_of(cls)]
@@ -157,6 +164,11 @@ def options_of(kind: type) -> "tuple[Field[Any], ...]":
 def key_of(each: "Field[Any]") -> str:
     """What records call an option."""
     return each.metadata["key"] or each.name
+
+
+def names_of(each: "Field[Any]") -> list[str]:
+    """What an option is called in Python, first by its own name."""
+    return list(filter(None, (each.name, each.metadata["also"])))
 
 
 def described(each: "Field[Any]") -> str:
@@ -228,6 +240,17 @@ def read_disk(name: str, value: Any) -> Disk:
     if not isinstance(value, str):
         raise InputError(f"{name} {shown(value)} is not a disk; give a Disk or a name")
     return Disk.parse(value)
+
+
+def read_rng(name: str, value: Any) -> int:
+    """A seed from an int, or from a SeedSequence or Generator of numpy, which give 128 bits. Raises InputError."""
+    if isinstance(value, np.random.SeedSequence):
+        if not value.spawn_key and isinstance(value.entropy, int) and value.entropy < 2**128:
+            return value.entropy
+        return int.from_bytes(value.generate_state(4).astype("<u4").tobytes(), "little")
+    if isinstance(value, np.random.Generator):
+        return int.from_bytes(value.integers(0, 2**32, 4, dtype=np.uint32).astype("<u4").tobytes(), "little")
+    return whole(name, value, high=2**128 - 1)
 
 
 def read_box(name: str, value: Any) -> Any:

@@ -32,10 +32,11 @@ from explorer.measure.tallies import ByName, Histogram, LogHistogram
 from explorer.motion.bounces import MOST, bounce_kernels, bounces, motion_constants
 from explorer.motion.passage_starts import starts_at_vertical
 from explorer.motion.passages import passage_kernels, passages_by
+from explorer.phase.results import Columns
 from explorer.phase.states import Array
 from explorer.scenes.options import BOX, RANGE, option, whole_from, word_of
-from explorer.scenes.scene import Counts, Picture, SampledScene, Table
-from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, FromStates, box_near_f, check_eta_hat, starts_near_f
+from explorer.scenes.scene import Counts, Picture, SampledScene
+from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, FromStates, box_near_f, eta_hat_span, starts_near_f
 
 # What is stored of a passage and of a bounce, as fields of `Passages` and `Bounces`.
 _OF_PASSAGE = (
@@ -134,9 +135,7 @@ class RaceAngles(FromStates):
     def eta_hat_of(self, given: Range | None) -> Range | None:
         """The range of distances from F; None of states anywhere, which have them of themselves."""
         if self.start == "near":
-            span = given or (1e-6 * self.disk.rate_unit, 1e-2 * self.disk.rate_unit)
-            check_eta_hat(span, self.disk)
-            return span
+            return eta_hat_span(self.disk, given, (1e-6, 1e-2))
         if given is not None:
             raise InputError(
                 "eta_hat: is for start near; leave it out, or give start near (states, energy, density, and a box "
@@ -161,7 +160,7 @@ class RaceAngles(FromStates):
     def blocks(self, index: int) -> Iterator[Any]:
         return SampledScene.blocks(self, index) if self.start == "near" else super().blocks(index)
 
-    def draw(self, random: Stream, count: int) -> Table:
+    def draw(self, random: Stream, count: int) -> Columns:
         """States; near F, phidot, sigma3_bar, eta_hat and face of starts at the vertical."""
         if self.eta_hat is None:
             return super().draw(random, count)
@@ -169,7 +168,7 @@ class RaceAngles(FromStates):
         eta_hat = log_uniform(random.random(count), *self.eta_hat)
         return {**start, "eta_hat": eta_hat * signs(random.random(count))}
 
-    def observe(self, drawn: Any) -> Table:
+    def observe(self, drawn: Any) -> Columns:
         if self.start == "near":
             passages = passages_by(self.disk, starts_at_vertical(self.disk, *start_of(drawn)), self.plan)[0]
             face = drawn["face"].astype(np.int8)
@@ -177,12 +176,12 @@ class RaceAngles(FromStates):
         found = bounces(drawn.states, self.rows, accuracy=self.accuracy, method=self.plan.method)
         results = motion_constants(found) | {name: getattr(found, name) for name in (*_OF_BOUNCE, "status")}
         results = {name: values.ravel() for name, values in results.items()}
-        table: Table = drawn.at(np.repeat(np.arange(drawn.states.size), self.rows)).with_results(results)
+        table: Columns = drawn.at(np.repeat(np.arange(drawn.states.size), self.rows)).with_results(results)
         return table
 
     # Counts
 
-    def count(self, tally: RaceCounts, table: Table) -> None:
+    def count(self, tally: RaceCounts, table: Columns) -> None:
         race, eta_hat, limit = table["race_angle"], table["eta_hat"], self.disk.race_limit
         deviation, group = race - np.sign(eta_hat) * limit, decades_and_sides(eta_hat)
         known = np.isfinite(group) & np.isfinite(deviation)  # a motion on F belongs to no decade
@@ -257,7 +256,7 @@ def _mean(tally: RaceCounts, groups: list[int]) -> float:
     return total / tally.decades.part(groups).total
 
 
-def start_of(drawn: Table) -> tuple[Array, Array, Array, Array]:
+def start_of(drawn: Columns) -> tuple[Array, Array, Array, Array]:
     """Drawn starts at the vertical as `passages` takes them."""
     face = drawn["face"]
     return drawn["sigma3_bar"], drawn["eta_hat"], face * drawn["phidot"], face

@@ -21,12 +21,14 @@ from numpy.typing import NDArray
 
 from explorer.errors import InputError, RunError, one_of, said, shown, suggest, whole
 from explorer.measure.sampling import PER_STREAM, Stream, numbered_stream
-from explorer.measure.tallies import ByName, Tally, count_status
+from explorer.measure.tallies import ByName, Tally
 from explorer.motion.plan import METHODS, Plan, plan
 from explorer.paths import path_of, read_toml
 from explorer.phase.columns import Column
 from explorer.phase.disk import SYNTAX, Disk
-from explorer.scenes.options import DISK, NUMBER, Options, Reader, option, options_of, whole_from, word_of
+from explorer.phase.results import Columns as Columns
+from explorer.phase.results import count_status, stacked
+from explorer.scenes.options import DISK, NUMBER, Options, Reader, option, options_of, seeded, whole_from, word_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,7 +36,6 @@ if TYPE_CHECKING:
 
 # A picture that is drawn when it is called, with ax= and keywords of its function where it takes them.
 Picture: TypeAlias = "Callable[..., Axes | Figure]"
-Table = dict[str, NDArray[Any]]
 K = TypeVar("K", bound="type[Scene]")
 SAMPLES = whole_from(1, 10**12), "number of samples, e.g. 1e6"
 # Above so many samples a run is large, and so are its chunks where few of their rows are stored.
@@ -60,7 +61,7 @@ class Scene(Options, ABC):
     """Options of every scene."""
 
     disk: Disk = option(DISK, f"disk: {SYNTAX}", default=Disk.uniform(), key="disks")
-    seed: int = option(whole_from(0, 2**128 - 1, "S"), "seed of the random streams", default=0)
+    seed: int = seeded()
     accuracy: float = option(
         NUMBER._replace(metavar="TOL"),
         "largest error accepted: absolute for angles (rad), relative for times and tilts",
@@ -112,7 +113,7 @@ class Scene(Options, ABC):
         return self.length(index)
 
     @abstractmethod
-    def chunk(self, index: int) -> tuple[Table, Any]:
+    def chunk(self, index: int) -> tuple[Columns, Any]:
         """The rows of chunk `index` that are stored, and the counts of all its samples."""
 
     def summarise(self, tally: Any) -> dict[str, Any]:
@@ -171,18 +172,18 @@ class SampledScene(Scene):
 
     # What a scene offers
 
-    def draw(self, random: Stream, count: int) -> Table:
+    def draw(self, random: Stream, count: int) -> Columns:
         """So many samples, or what makes them: columns, from a random stream."""
         raise NotImplementedError(_OFFERS)
 
-    def observe(self, drawn: Any) -> Table:
+    def observe(self, drawn: Any) -> Columns:
         """All columns of a block of samples that are stored or counted; one is `status`."""
         raise NotImplementedError(_OFFERS)
 
-    def count(self, tally: Any, table: Table) -> None:
+    def count(self, tally: Any, table: Columns) -> None:
         """Add the samples of a block to a tally, whose `status` is counted already."""
 
-    def near(self, table: Table) -> NDArray[np.bool_]:
+    def near(self, table: Columns) -> NDArray[np.bool_]:
         """The rows that keep="near" stores."""
         return np.ones(table["status"].size, bool)
 
@@ -232,7 +233,7 @@ class SampledScene(Scene):
                 if own.start < first + count:
                     yield {name: values[rows] for name, values in drawn.items()}
 
-    def chunk(self, index: int) -> tuple[Table, Any]:
+    def chunk(self, index: int) -> tuple[Columns, Any]:
         tally, kept = self.tally(), []
         for block in self.blocks(index):
             table = self.checked(self.observe(block))
@@ -243,9 +244,9 @@ class SampledScene(Scene):
             raise RunError(
                 f"scene {self.name}: draw and observe give {counted} samples, not {due}; give one row a sample"
             )
-        return joined(kept), tally
+        return stacked(kept), tally
 
-    def checked(self, table: Table) -> Table:
+    def checked(self, table: Columns) -> Columns:
         """What `observe` returned. Raises RunError where it is no table with statuses and what `columns` names."""
         missing = [name for name in ("status", *self.columns) if not (isinstance(table, dict) and name in table)]
         if missing:
@@ -262,7 +263,7 @@ class SampledScene(Scene):
             raise RunError(f"scene {self.name}: observe returns statuses that are none; use those of ex.Status")
         return table | {"status": status}
 
-    def kept(self, table: Table) -> Table:
+    def kept(self, table: Columns) -> Columns:
         """The rows of a block that are stored."""
         if self.keep == "all":
             return table
@@ -278,11 +279,6 @@ def _filled(line: str, known: dict[str, Any]) -> str:
         return line.format(**known)
     except (KeyError, IndexError, TypeError, ValueError):
         return ""
-
-
-def joined(tables: Sequence[Table]) -> Table:
-    """Tables with the same columns, one below the other."""
-    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
 
 # The scenes by name, those of users among them

@@ -11,12 +11,13 @@ from explorer import compiled
 from explorer.errors import InputError
 from explorer.measure.distributions import ANY_ENERGY, Coordinate, Distribution, Weight
 from explorer.measure.sampling import Range, Stream, numbered_stream, signs
-from explorer.measure.tallies import count_status
+from explorer.motion.threads import blocks
 from explorer.phase.disk import SYNTAX, Disk, require_axial_inertia
+from explorer.phase.results import Columns, count_status
 from explorer.phase.states import COORDINATES, Array, States
 from explorer.scenes.given_states import Block, GivenStates, coordinates_of
 from explorer.scenes.options import BOX, DENSITY, DISK, OPEN_RANGE, TRUTH, Reader, option
-from explorer.scenes.scene import SAMPLES, SampledScene, Table
+from explorer.scenes.scene import SAMPLES, SampledScene
 
 _LOOKED_AT = 1_000_000  # rows of given states, when those are named that are none
 # In natural units: where doubles still have all their digits, and where "near F" loses its meaning.
@@ -66,7 +67,7 @@ class FromDensity(SampledScene):
     def as_json(self) -> dict[str, Any]:
         return {**super().as_json(), "density": self.density and self.source.describe_weight()}
 
-    def draw(self, random: Stream, count: int) -> Table:
+    def draw(self, random: Stream, count: int) -> Columns:
         return self.source.draw(random, count)
 
 
@@ -128,8 +129,7 @@ class FromStates(FromDensity):
         """The states of a chunk, block by block."""
         if self.states is not None:
             given = self.states.read(self.disk, index * self.chunk_size, self.length(index))
-            for first in range(0, self.length(index), self.block):
-                yield given.at(np.arange(first, min(first + self.block, self.length(index))))
+            yield from map(given.at, blocks(self.length(index), self.block))
             return
         for columns in super().blocks(index):
             states = self.box.states(columns)
@@ -206,12 +206,16 @@ def starts_near_f(box: Distribution, random: Stream, count: int) -> dict[str, Ar
     return {"phidot": face * columns["phidot"], "sigma3_bar": columns["sigma3"], "face": face}
 
 
-def check_eta_hat(span: Range, disk: Disk) -> None:
-    """Raise InputError unless low <= high are magnitudes that lie near F, in the units of the disk."""
-    low, high = span
+def eta_hat_span(disk: Disk, given: Range | None, usual: Range) -> Range:
+    """Magnitudes low <= high near F, in the units of the disk: as given, or the usual ones of natural units.
+
+    Raises InputError.
+    """
+    low, high = given or (usual[0] * disk.rate_unit, usual[1] * disk.rate_unit)
     nearest, furthest = (limit * disk.rate_unit for limit in _NEAR_F)
     if not nearest <= low <= high <= furthest:
         raise InputError(
             f"eta_hat {low:g}:{high:g}: give LOW:HIGH with {nearest:g} <= LOW <= HIGH <= {furthest:g}; "
             "scene one-sided has the limits at 0"
         )
+    return low, high

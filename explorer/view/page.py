@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from explorer.errors import InputError, shown
-from explorer.paths import require_own, writing
+from explorer.paths import writing_page
 from explorer.phase.disk import Disk
 from explorer.view.assembly import assemble
 from explorer.view.start import AtVertical, Start, start_at_vertical, start_in
@@ -72,8 +72,7 @@ class View:
         InputError
             If the name ends otherwise, if the file cannot be written, or if it is there and not such a page.
         """
-        with writing("path", path, (".html", ".htm"), "the page is HTML; ") as where:
-            require_own(f"path = {shown(str(path))}", where)
+        with writing_page("path", path) as where:
             where.write_text(self.html, encoding="utf-8")
         return where
 

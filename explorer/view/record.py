@@ -6,7 +6,7 @@ import tempfile
 from itertools import cycle, islice
 from pathlib import Path
 
-from PIL import Image
+from PIL import ExifTags, Image
 from PIL.PngImagePlugin import PngInfo
 
 from explorer.phase.disk import Disk
@@ -25,7 +25,6 @@ _REST_MS = 2500  # for which the hero shows all of it before it begins anew
 _COLOURS = 256  # all that a palette holds
 _SHARED = 3  # frames of the GIF with one palette: one for all has colours far off, one for each twice the size
 _PATIENCE = 900.0  # s: the film is 180 frames of 1080 lines, encoded without a graphics card
-_DESCRIPTION = 0x010E  # of EXIF, where WebP carries its caption
 
 CAPTIONS = {
     "hero": Caption(
@@ -68,7 +67,7 @@ def _hero(browser: Browser, folder: Path) -> Path:
     _picture(browser, _STILL).quantize(_COLOURS).save(still, pnginfo=about, optimize=True)
     frames = [_picture(browser, _MOVING, n / (_FRAMES - 1)) for n in range(_FRAMES)]
     exif = Image.Exif()
-    exif[_DESCRIPTION] = caption.encode()
+    exif[ExifTags.Base.ImageDescription] = caption.encode()  # where WebP carries it
     durations = [*islice(cycle(_MS), _FRAMES - 1), _REST_MS]
     frames[0].save(
         moving,

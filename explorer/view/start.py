@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from explorer import compiled
-from explorer.errors import InputError, number, shown, whole
+from explorer.errors import InputError, number, sign, whole
 from explorer.motion.bounces import Bounces
 from explorer.motion.limit_motions import LimitMotion
 from explorer.motion.starts import status_at_start
@@ -72,9 +72,7 @@ def start_at_vertical(disk: Disk, given: AtVertical) -> Start:
         return number(name, value, -_LARGEST * unit, _LARGEST * unit) / unit
 
     rates = {name: natural(name) for name in _PASSAGE}
-    facing = whole("face", _USUAL.face if given.face is None else given.face, -1, 1)
-    if facing == 0:
-        raise InputError(f"face = {shown(given.face)} must be +1 or -1")
+    facing = sign("face", _USUAL.face if given.face is None else given.face)
     _require_side(rates["eta_hat"], "eta_hat")
     return Start(rates["sigma3_bar"], rates["eta_hat"], rates["phidot"], facing)
 
@@ -95,12 +93,12 @@ def start_in(motion: Any, row: Any) -> tuple[Disk, Start]:
     if isinstance(motion, LimitMotion):
         _one_of(1, row, "limit motion")
         return motion.disk, _start_of_limit(motion)
-    if isinstance(motion, Bounces):
-        return motion.states.disk, _start_of_bounce(motion, _one_of(motion.size, row, "bounces"))
-    states = motion if isinstance(motion, States) else getattr(motion, "states", None)
-    if isinstance(states, States):
-        place = _one_of(states.size, row, "states")
-        return states.disk, _start_of_state(states, place)
+    if isinstance(getattr(motion, "states", motion), States):
+        of_bounce = isinstance(motion, Bounces)
+        place = _one_of(motion.size, row, "bounces" if of_bounce else "states")
+        one = motion.at(np.array([place]))
+        state = getattr(one, "states", one)
+        return state.disk, _start_of_bounce(one, place) if of_bounce else _start_of_state(state, place)
     disk, known = getattr(motion, "disk", None), [getattr(motion, name, ()) for name in _PASSAGE]
     if not isinstance(disk, Disk) or not all(np.size(column) for column in known):
         raise InputError(
@@ -124,12 +122,10 @@ def _one_of(count: int, row: Any, things: str) -> int:
     return whole("row", row, 0, count - 1)
 
 
-def _start_of_state(states: States, row: int) -> Start:
+def _start_of_state(one: States, row: int) -> Start:
     """The motion through one state: its constants, and its tilt from the face whose line is nearer."""
-    disk = states.disk
+    disk, code = one.disk, compiled.status.Status
     require_axial_inertia(disk)
-    one = states.at(np.array([row]))
-    code = compiled.status.Status
     status, held = status_at_start(one), one.motion
     if status[0] not in (code.OK, code.FALLS):
         verdict = code(int(status[0]))
@@ -142,18 +138,16 @@ def _start_of_state(states: States, row: int) -> Start:
     return Start(float(held.sigma3_bar[0]), eta_hat, -face * p, face, theta)
 
 
-def _start_of_bounce(bounces: Bounces, place: int) -> Start:
+def _start_of_bounce(bounce: Bounces, row: int) -> Start:
     """The motion from the vertical before one bounce; where it never crosses the vertical, from its state."""
-    state, face = int(np.ravel(bounces.row)[place]), int(np.ravel(bounces.face)[place])
-    through = _start_of_state(bounces.states, state)
-    disk, unit = bounces.states.disk, bounces.states.disk.rate_unit
-    one = bounces.states.at(np.array([state]))
+    one, face = bounce.states, int(bounce.face[0])
+    through, disk, unit = _start_of_state(one, row), one.disk, one.disk.rate_unit
     eta_hat = float(eta_to_eta_hat(disk.body, one.motion.eta_plus if face > 0 else one.motion.eta_minus)[0])
     upright = constants_to_states(disk, through.sigma3_bar * unit, eta_hat * unit, 0.0, face)
     left = one.motion.energy[0] - upright.motion.energy[0]
     if left <= 0.0:
         return through
-    _require_side(eta_hat, f"bounces, row {place}")
+    _require_side(eta_hat, f"bounces, row {row}")
     return Start(through.sigma3_bar, eta_hat, math.sqrt(2.0 * left / disk.body.M), face)
 
 

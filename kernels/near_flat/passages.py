@@ -26,7 +26,7 @@ from kernels.near_flat.closed_forms import (
     slope_of,
 )
 from kernels.near_flat.tables import LAST, LAST_BUT_ONE, SHARE, WEIGHT, Fixed, Low, Rules, Tables, fixed
-from kernels.records import Entry, reader, writer
+from kernels.records import Entry, put, reader, writer
 from kernels.types import Matrix, Vector
 
 LANES = 64  # _ROWS rows of them lie within the first cache
@@ -300,14 +300,18 @@ def passage_batch(crossings: Crossings, tables: Tables, disk: NaturalDisk, out: 
         near_panel(W, rules, b, low)
         far_panel(W, rules.outer, b)
         finish(W, 2.0)
-        n = min(LANES, crossings.eta.size - first)
-        for i in range(n):
-            out[0, first + i] = 2.0 * math.asin(0.5 * W[_H + i])
-        for i in range(n):
-            out[1, first + i], out[2, first + i] = W[_CHI + i], W[_CHI + i] - W[_REST + i]
-            out[3, first + i], out[4, first + i] = W[_TIME + i], W[_LEVEL + i] + potential_at_flat(W[_X + i], b)
-            out[5, first + i], out[6, first + i] = W[_ANGLE_ERROR + i], W[_TIME_ERROR + i]
-            out[7, first + i] = W[_TURN_RATE + i]
+        for i in range(min(LANES, crossings.eta.size - first)):
+            row = PassageRow(
+                theta_min=2.0 * math.asin(0.5 * W[_H + i]),
+                chi=W[_CHI + i],
+                psi=W[_CHI + i] - W[_REST + i],
+                time=W[_TIME + i],
+                energy=W[_LEVEL + i] + potential_at_flat(W[_X + i], b),
+                angle_error=W[_ANGLE_ERROR + i],
+                time_error=W[_TIME_ERROR + i],
+                turn_rate=W[_TURN_RATE + i],
+            )
+            put(row, out, first + i)
 
 
 @kernel
@@ -329,8 +333,7 @@ def fall_batch(departures: Departures, tables: Tables, disk: NaturalDisk, out: M
         far_panel(W, tables.rules.fall, b)
         finish(W, 1.0)
         for i in range(min(LANES, n - first)):
-            out[0, first + i], out[1, first + i] = W[_TIME + i], W[_CHI + i]
-            out[2, first + i] = W[_CHI + i] - W[_REST + i]
             angle = W[_ANGLE_ERROR + i]
             time = W[_TIME_ERROR + i] * min(W[_TIME + i], 1.0)  # a share, if it is long
-            out[3, first + i] = angle if angle > time else time  # NaN where that of the time is
+            error = angle if angle > time else time  # NaN where that of the time is
+            put(FallRow(W[_TIME + i], W[_CHI + i], W[_CHI + i] - W[_REST + i], error), out, first + i)

@@ -12,7 +12,7 @@ SMALL = ("counting.histogram_batch", "falling.critical_X2_batch")
 MISSING = f"""
 import sys
 from explorer import compiled
-print(compiled.compile_missing({SMALL}, print), "kernels.disk.counting" in sys.modules)
+print(compiled.warmup({SMALL}, print), "kernels.disk.counting" in sys.modules)
 print(compiled.warmup({SMALL}, print))
 """
 

@@ -8,7 +8,7 @@ from told import said
 
 import explorer as ex
 from explorer.errors import InputError
-from explorer.paths import read_toml, writing
+from explorer.paths import read_toml, writing_page
 from explorer.scenes.given_states import GivenStates
 
 
@@ -16,23 +16,23 @@ from explorer.scenes.given_states import GivenStates
     ("given", "says"),
     [
         (None, "path = None is no path; give text or a Path"),
-        (b"x.png", "path = b'x.png' is no path"),
+        (b"x.html", "path = b'x.html' is no path"),
         ("", "path =  is no path; give text or a Path"),
-        ("x.jpg", "path = 'x.jpg': a picture; give a name that ends in .png, .svg or .pdf"),
-        ("no such folder/x.png", "there is no folder 'no such folder'; make it first"),
+        ("x.jpg", "path = 'x.jpg': the page is HTML; give a name that ends in .html or .htm"),
+        ("no such folder/x.html", "there is no folder 'no such folder'; make it first"),
     ],
 )
 def test_what_is_no_file_that_can_be_written_is_refused_before_anything_is_done(given, says):
-    with pytest.raises(InputError, match=says), writing("path", given, (".png", ".svg", ".pdf"), "a picture; "):
+    with pytest.raises(InputError, match=says), writing_page("path", given):
         raise AssertionError("nothing may be written")
 
 
 def test_what_the_system_says_against_a_file_is_told_and_the_path_is_as_it_was_given(tmp_path):
-    with writing("path", str(tmp_path / "x.PNG"), (".png",)) as path:
-        assert path == Path(tmp_path / "x.PNG")
+    with writing_page("path", str(tmp_path / "x.HTM")) as path:
+        assert path == Path(tmp_path / "x.HTM")
     with (
-        pytest.raises(InputError, match=r"x.png': cannot be written \(No such file or directory\)"),
-        writing("path", tmp_path / "x.png", (".png",)) as path,
+        pytest.raises(InputError, match=r"x.html': cannot be written \(No such file or directory\)"),
+        writing_page("path", tmp_path / "x.html") as path,
     ):
         path.with_name("nowhere").joinpath("x").write_text("x")
 
@@ -46,9 +46,9 @@ def test_what_is_no_toml_is_said_with_its_place(tmp_path):
 
 
 def test_a_link_to_a_file_is_written_to_where_it_leads(tmp_path):
-    (tmp_path / "there.html").write_text("before")
+    ex.view().save(tmp_path / "there.html")
     (tmp_path / "view.html").symlink_to(tmp_path / "there.html")
-    with writing("path", tmp_path / "view.html", (".html",)) as path:
+    with writing_page("path", tmp_path / "view.html") as path:
         path.write_text("after")
     assert (tmp_path / "there.html").read_text() == "after"
 

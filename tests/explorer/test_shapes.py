@@ -162,6 +162,28 @@ def test_states_and_results_are_indexed_as_their_arrays_are(call, shape):
             found[wrong]
 
 
+@pytest.mark.parametrize("call", [name for name in OF_STATES if not name.startswith(("simulate", "motions"))])
+def test_samples_are_chosen_by_their_numbers_among_all_as_entries_of_a_list_are(call):
+    found = OF_STATES[call][0](states_of((2, 3)))
+    row = in_a_row(found)
+    for rows in (slice(1, 4), slice(None, None, -2), [5, 0, -1], np.arange(found.size) % 2 == 0):
+        some = found.at(rows)
+        assert some.shape == np.arange(found.size)[rows].shape
+        for name, values in in_a_row(some).items():
+            if name != "t_end":
+                np.testing.assert_array_equal(values, row[name][rows], err_msg=name)
+
+
+def test_states_and_results_are_compared_as_objects_are():
+    """An array of truths would be no answer to whether they are in a list."""
+    states = states_of((3,))
+    branch, *_ = ex.bifurcation(UNIFORM, "line", [0.1, 0.2, 0.3])
+    for found in (states, ex.periods(states), ex.scan(states, "energy"), branch):
+        assert found == found
+        assert found not in [states_of((3,)), ex.periods(states)]
+        assert len({found, found}) == 1
+
+
 def test_results_with_axes_of_their_own_are_indexed_over_these_too():
     found = ex.bounces(states_of((2, 3)), 4)
     assert found.shape == (2, 3, 4)
@@ -195,6 +217,14 @@ def test_the_single_motions_of_a_call_may_have_any_shape_of_one_entry():
     for some, name in ((both, "t"), (paths, "centre")):
         np.testing.assert_array_equal(getattr(some[0], name), getattr(some[1], name))
         np.testing.assert_array_equal(getattr(some[0], name), getattr(some[2], name))
+
+
+def test_what_is_a_single_one_has_no_axis():
+    constant = ex.falling_constant(UNIFORM)
+    assert (constant.shape, constant.size, len(constant.to_pandas())) == ((), 1, 1)
+    assert ex.circular_rolling(UNIFORM, 0.3, 2.0).shape == ()
+    with pytest.raises(TypeError, match="single sample"):
+        len(constant)
 
 
 def test_the_centre_after_each_period_has_a_last_axis_for_the_periods():

@@ -18,7 +18,7 @@ from explorer.commands.trade import TradeOptions
 from explorer.phase.columns import COLUMNS
 from explorer.phase.portrait import Portrait
 from explorer.runs.settings import Settings
-from explorer.scenes.options import options_of
+from explorer.scenes.options import names_of, options_of
 from explorer.scenes.scene import NAMES, scene_class
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -263,14 +263,16 @@ def stub():
     kinds, types = (*(scene_class(name) for name in NAMES), Settings), {}
     for each in (each for kind in kinds for each in options_of(kind)):
         parts = re.split(r" \| (?![^\[]*\])", each.metadata["reader"].accepts)  # not within brackets
-        types.setdefault(each.name, {}).update(dict.fromkeys(parts))
+        for name in names_of(each):
+            types.setdefault(name, {}).update(dict.fromkeys(parts))
     text = HEAD + "\nclass Keywords(TypedDict, total=False):\n"
     text += "".join(f"    {name}: {' | '.join(known)}\n" for name, known in types.items())
     text += f"\nKnown = Literal[{', '.join(map(repr, NAMES))}]\n"
     for call, returned in (("run", "Run"), ("plan", "RunPlan")):
         text += f"\n@overload\ndef {call}(scene: Known, **options: Unpack[Keywords]) -> {returned}: ...\n"
         text += f"@overload\ndef {call}(scene: str | type[Scene], **options: Any) -> {returned}: ...\n"
-    own = ", ".join(f"{each.name}: {each.metadata['reader'].accepts} = ..." for each in options_of(TradeOptions))
+    taken = ((name, each.metadata["reader"]) for each in options_of(TradeOptions) for name in names_of(each))
+    own = ", ".join(f"{name}: {reader.accepts} = ..." for name, reader in taken)
     return f"{text}\ndef trade(*, {own}) -> Trade: ...\n"
 
 

@@ -20,6 +20,16 @@ def test_passages_of_a_trade_are_those_of_the_run():
     np.testing.assert_allclose(ex.constants(states).sigma3_bar, run["sigma3_bar"], rtol=1e-12)
 
 
+def test_passages_of_which_none_is_known_are_refused():
+    with pytest.raises(ex.InputError, match="box: none of these passages is known; give phidot above 0"):
+        ex.trade(samples=256, box="phidot=0,sigma3=0", progress=False)
+
+
+def test_the_seed_of_a_trade_may_be_any_that_a_run_takes():
+    asked = [trade.TradeOptions.of({"rng": rng}).seed for rng in (5, np.random.SeedSequence(5))]
+    assert asked == [trade.TradeOptions.of({"seed": 5}).seed] * 2
+
+
 def test_passages_at_all_distances_are_measured_unless_it_is_said():
     asked = trade.TradeOptions.of({"disk": "uniform:m=5.67e-3,r=12.1e-3,g=9.81"})
     assert asked.scene.samples == 4096

@@ -66,6 +66,7 @@ def test_a_law_in_degrees_comes_back_to_the_last_digit():
     ("law", "message"),
     [
         (stats.gaussian_kde([0.0, 1.0, 2.0]), "phidot = .* has no ppf"),
+        (stats.norm([0.0, 1.0], 1.0), "phidot = .*: its parameters are arrays; give numbers"),
         (stats.uniform_direction(3), "phidot = .* has no ppf"),
         (stats.norm, "continuous frozen distribution"),
         (stats.poisson(3), "continuous frozen distribution"),

@@ -6,7 +6,8 @@ from scipy.stats import beta
 
 import explorer as ex
 from explorer.measure.statistics import either_p, poisson_interval, share, upper_bound
-from explorer.measure.tallies import count_status, histograms
+from explorer.measure.tallies import histograms
+from explorer.phase.results import count_status
 
 
 def test_statuses_are_counted_by_name_and_only_those_that_occur():

@@ -86,3 +86,9 @@ def test_fewer_than_two_methods_are_refused(methods):
     states = ex.phi_to_states(BODIES["uniform"], *DRAWN[:, :2])
     with pytest.raises(ex.InputError, match="method"):
         ex.compare(states, methods)
+
+
+def test_a_difference_that_is_not_known_is_not_told():
+    nowhere = ex.phi_to_states(BODIES["uniform"], [9.0, np.nan], 1.0, 1.0, 1.0)
+    for states in (nowhere, nowhere[:0]):
+        assert not any(name in repr(ex.compare(states)).splitlines()[2] for name in (*ANGLES, "theta_min", "time"))

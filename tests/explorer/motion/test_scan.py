@@ -82,6 +82,13 @@ def test_a_function_with_the_name_of_a_column_is_refused():
         scan(STATES, status)
 
 
+@pytest.mark.parametrize("kind", ["f2", "f4", ">f8", np.longdouble, "u1", ">i4", "?"])
+def test_arrays_of_every_type_of_real_numbers_are_columns(kind):
+    found = scan(STATES, lambda batch: {"mine": (1.0 + batch.sigma3).astype(kind)})
+    np.testing.assert_array_equal(found.to_arrow()["mine"], found["mine"])
+    np.testing.assert_array_equal(found.to_pandas()["mine"], (1.0 + STATES.sigma3).astype(kind))
+
+
 def test_arrays_of_any_name_are_columns():
     names = ("file", "args", "self", "compress", "η of a/b", "arr_0", "x.npy")
     found = scan(STATES, lambda batch: {name: batch.sigma3 + i for i, name in enumerate(names)})

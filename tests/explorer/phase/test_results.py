@@ -2,6 +2,7 @@
 
 import numpy as np
 import pyarrow as pa
+import pytest
 
 import explorer as ex
 from explorer.phase.columns import COLUMNS
@@ -24,12 +25,16 @@ def test_arrow_fields_say_meaning_unit_and_equation():
     assert b"kappa pi" in table.schema.field("race_angle").metadata[b"meaning"]
     assert table.schema.field("race_angle").metadata[b"equation"] == b"(7.9)"
     assert pa.types.is_dictionary(table.schema.field("status").type)
-    moments = to_arrow({"race_angle_plus": np.ones(3)}).schema.field("race_angle_plus")
-    assert moments.metadata == table.schema.field("race_angle").metadata
+    entries = to_arrow({"path": np.ones((3, 3))}).schema
+    assert entries.names == ["path_x", "path_y", "path_z"]
+    assert {entries.field(place).metadata[b"unit"] for place in range(3)} == {b"length"}
 
 
-def test_columns_that_nobody_described_are_columns_all_the_same():
-    assert to_arrow({"mine": np.arange(3)}).column("mine").to_pylist() == [0, 1, 2]
+@pytest.mark.parametrize("name", ["mine", "energy_ratio", "phi_mean", "time_x", "status_of"])
+def test_columns_that_nobody_described_are_columns_all_the_same_and_say_nothing(name):
+    table = to_arrow({name: np.arange(3)})
+    assert table.column(name).to_pylist() == [0, 1, 2]
+    assert table.schema.field(name).metadata is None
 
 
 def test_a_description_is_a_few_lines_however_many_samples_there_are():
@@ -54,11 +59,11 @@ def test_columns_are_those_that_arrow_makes_of_them():
         "names": np.array(["a", "é"]),
     }
     for name, values in of_every_kind.items():
-        made = to_arrow({name: values}).column(0).chunk(0)
+        made = to_arrow({name: values}, values.ndim).column(0).chunk(0)
         made.validate(full=True)
         assert made.equals(pa.array(values.ravel())) or np.isnan(values).any()
         np.testing.assert_array_equal(made.to_numpy(zero_copy_only=False), values.ravel())
-    status = to_arrow({"status": BOUNCES.status}).column(0).chunk(0)
+    status = to_arrow({"status": BOUNCES.status}, 2).column(0).chunk(0)
     status.validate(full=True)
     assert status.to_pylist() == BOUNCES.status_names.ravel().tolist()
 

@@ -194,8 +194,7 @@ def test_states_in_a_row_are_a_line_and_others_a_cloud():
 
 
 def named(ax, label):
-    (line,) = [line for line in ax.lines if line.get_label() == label]
-    return line
+    return next(line for line in ax.lines if line.get_label() == label)
 
 
 def test_the_separatrix_has_the_energy_of_its_saddle_and_a_flat_state_is_a_wall_off_the_line():
@@ -251,3 +250,22 @@ def test_the_sketch_has_the_line_on_which_eta_vanishes_and_a_motion_in_the_colou
     (dot,) = [line for line in plane.lines if line.get_marker() == "o"]
     eta_hat = ex.constants(ex.phi_to_states(HOOP, 0.0, 1.0, *np.ravel(dot.get_data()))).eta_hat_plus
     assert dot.get_color() == SIGN_COLOURS[int(np.sign(eta_hat.item()))]
+
+
+def test_a_legend_names_each_thing_once_however_often_it_is_drawn():
+    both = ex.both_sides(ex.constants_to_states(UNIFORM, 1.0, 0.0, 1.0))
+    disks = dict.fromkeys(("steady-plane", "race-collapse", "blow-up", "falling-surface"), (UNIFORM,))
+    what = {
+        **disks,
+        "contact-paths": (both,),
+        "one-sided-motion": (both,),
+        "bifurcation-of-tilts": (UNIFORM, "spinning"),
+        "phase-portrait": (ex.potential(UNIFORM, 0.25, 0.01),),
+        "race-histogram": (ex.passages(UNIFORM, 1.0, [1e-3, -1e-3, 1e-5, -1e-5], 1.0),),
+    }
+    for name, given in what.items():
+        figure = ex.picture(name, *given)
+        legends = [*figure.legends, *filter(None, (ax.get_legend() for ax in figure.axes))]
+        words = [[text.get_text() for text in legend.get_texts()] for legend in legends]
+        assert words, name
+        assert all(len(each) == len({*each}) > 0 for each in words), name

@@ -11,10 +11,11 @@ import pytest
 from told import said
 
 import explorer as ex
+from explorer.phase.results import stacked
 from explorer.scenes import given_states
 from explorer.scenes.falling_set import FallingSet
 from explorer.scenes.given_states import GivenStates
-from explorer.scenes.scene import joined, scene_of
+from explorer.scenes.scene import scene_of
 
 DISK = ex.Disk.uniform()
 NAMES = ("phi", "phidot", "sigma3", "sigma4")
@@ -35,7 +36,7 @@ def test_bad_rows_are_flagged_with_their_number_and_the_others_are_computed(colu
         columns["phi" if value == 7.0 else "sigma3"][row] = value
     pyarrow.parquet.write_table(pyarrow.table({**columns, "label": [f"n{i}" for i in range(500)]}), spoilt)
     scenes = [FallingSet(states=path, keep="all", chunk_size=128) for path in (clean, spoilt)]
-    one, other = (joined([scene.chunk(index)[0] for index in range(scene.chunks)]) for scene in scenes)
+    one, other = (stacked([scene.chunk(index)[0] for index in range(scene.chunks)]) for scene in scenes)
     assert set(other["row"][other["status"] == ex.Status.BAD_INPUT]) == set(bad)
     kept = np.setdiff1d(np.arange(500), bad)
     np.testing.assert_array_equal(one["theta_min"][kept], other["theta_min"][kept])
@@ -532,3 +533,12 @@ def test_a_csv_file_that_is_replaced_while_it_is_read_is_refused(tmp_path, monke
     monkeypatch.setattr(given_states, "_csv", replaced)
     with pytest.raises(ex.InputError, match="was changed or replaced meanwhile"):
         GivenStates.of("states", table)
+
+
+def test_a_result_of_any_shape_is_a_table_of_its_states():
+    states = ex.phi_to_states(ex.Disk.uniform(), [[0.1], [0.2]], 1.0, [0.8, 0.9, 1.0], 0.7)
+    scanned = ex.scan(states, lambda some: {"mine": np.stack([some.phi, some.sigma3], axis=1), "one": some.phi})
+    for found, own in ((scanned, ["mine_0", "mine_1", "one"]), (ex.wander(states), ["shift_x", "shift_y"])):
+        table = ex.run("falling-set", states=found, keep="all", progress=False).frame()
+        np.testing.assert_array_equal(table["sigma3"], found.to_pandas()["sigma3"])
+        assert {name.removeprefix("given_") for name in table} >= {*own}

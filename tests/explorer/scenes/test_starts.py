@@ -13,7 +13,7 @@ from explorer.measure.sampling import numbered_stream
 from explorer.scenes.falling_set import FallingSet
 from explorer.scenes.race_angles import RaceAngles
 from explorer.scenes.scene import scene_of
-from explorer.scenes.starts import box_near_f, check_eta_hat, starts_near_f
+from explorer.scenes.starts import box_near_f, eta_hat_span, starts_near_f
 
 GIVEN = pd.DataFrame(
     {"phi": np.linspace(-1.0, 1.0, 7), "phidot": 0.3, "sigma3": 0.5, "sigma4": 0.2, "energy": "mine"}
@@ -227,7 +227,7 @@ def test_a_box_that_describes_no_start_near_f_is_refused(ranges, message):
 @pytest.mark.parametrize("span", [(0.0, 1.0), (1e-2, 1e-3), (1e-3, 11.0), (1e-310, 1e-3)])
 def test_distances_that_are_no_longer_near_f_are_refused(span):
     with pytest.raises(ex.InputError, match="eta_hat"):
-        check_eta_hat(span, BODIES["hoop"])
+        eta_hat_span(BODIES["hoop"], span, (1e-6, 1e-2))
 
 
 def test_a_default_that_is_said_changes_nothing_about_where_motions_start():

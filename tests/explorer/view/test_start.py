@@ -74,6 +74,15 @@ def test_a_bounce_that_never_crosses_the_vertical_opens_at_its_state():
     assert view(ex.bounces(states, 2), row=1) == view(states)
 
 
+@pytest.mark.parametrize("key", [2, np.s_[::-1], [1, 1], np.s_[1:], np.array([True, False, True]), None])
+def test_what_was_chosen_of_a_result_is_shown_as_it_was_in_all_of_it(key):
+    states = ex.constants_to_states(COIN, [20.0, 21.0, 22.0], -0.3, 15.0)
+    for found in (ex.bounces(states, 2), ex.periods(states), states):
+        numbers = np.arange(found.size).reshape(found.shape)[key]
+        for row, number in enumerate(np.ravel(numbers)):
+            assert view(found[key], row=row) == view(found, row=int(number))
+
+
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize(("bar", "phidot"), [(20.0, 15.0), (0.0, -60.0)], ids=["one face", "both faces"])
 def test_a_limit_motion_is_shown_by_one_beside_it_on_its_side(side, bar, phidot):
