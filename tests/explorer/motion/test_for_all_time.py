@@ -1,10 +1,11 @@
-"""Motions are known for all time: beside motions in 128 bits, there and back, on from anywhere, after any period."""
+"""Motions at any time: beside motions in 128 bits, there and back, on from any state, after many periods."""
 
 import numpy as np
 import pytest
 from conftest import BODIES
 from motions import trajectories
-from reference.motions import IN_TIME, TIMES
+from reference.motions import BY_CONSTANTS, FALLS, IN_TIME, MOTIONS, TIMES, of_one_body
+from reference.motions import states_of as given_states
 
 import explorer as ex
 from explorer import compiled
@@ -26,8 +27,8 @@ def states_at(disk, motion, row=-1):
     return ex.phi_to_states(disk, *(getattr(motion, name)[..., row] for name in STATE))
 
 
-# Of 200, 47 beside crests: those that have no answer, since rounding of the state decides.
-REFUSED = {1e-9: 30, 1e-6: 20, 1e-3: 10}
+# Of 600, those without an answer: beside crests, where rounding of the state decides, and of fast spins.
+REFUSED = {1e-9: 29, 1e-6: 5, 1e-3: 0}
 
 
 @pytest.mark.parametrize("accuracy", REFUSED)
@@ -40,7 +41,7 @@ def test_motions_are_those_of_an_integration_in_128_bits(accuracy):
             found = ex.simulate(states, t_eval=[t], observables=ANGLES, accuracy=accuracy)
             if not found.ok:
                 assert found.status == ex.Status.TOO_FEW_DIGITS
-                refused += t == TIMES[-1]
+                refused += 1
                 continue
             error = max(abs(getattr(found, name)[0] - row[f"{name}_{t}"]) for name in ANGLES)
             rounded = 2.2e-16 * (abs(row[f"chi_{t}"]) + abs(row[f"psi_{t}"]))  # of what is compared with
@@ -114,6 +115,44 @@ def test_periods_turn_the_picture_and_move_it_along_and_leave_the_tilt_as_it_is(
     assert abs(centre - moved)[sure].max() < 100.0 * close * (1.0 + abs(moved[sure]).max())
 
 
+@pytest.mark.parametrize("time", [1e6, -1e6, 1e9])
+def test_late_times_are_those_of_period_arithmetic_in_many_digits(time):
+    """Of some 370 motions, ordinary ones and extreme ones: after whole periods chi has turned by as many turns."""
+    shares, off = [], []
+    for rows in of_one_body(~FALLS & ~BY_CONSTANTS):
+        motions = MOTIONS[rows]
+        disk = ex.Disk(I1=motions["I1"][0], I3=motions["I3"][0])
+        period, chi, psi = (
+            np.nansum([motions[f"{name}_0"], motions[f"{name}_1"]], axis=0) for name in ("duration", "chi", "psi")
+        )
+        count = np.round(time / period)
+        found = trajectories(
+            given_states(disk, motions), t_eval=(count * period)[:, None], observables=ANGLES, accuracy=0.1
+        )
+        error = np.max(
+            [
+                abs(found.phi[:, 0] - motions["phi"]),
+                abs(found.chi[:, 0] - count * chi),
+                abs(found.psi[:, 0] - count * psi),
+            ],
+            axis=0,
+        )
+        # Periods and angles in the file, and times, have 16 digits.
+        rates = (
+            1.0
+            + abs(motions["phidot"])
+            + abs(motions["sigma4"])
+            + abs(motions["sigma3"]) / np.cos(motions["phi"]) ** 2
+        )
+        known = 4.4e-16 * (abs(time) * rates + abs(count) * (abs(chi) + abs(psi)))
+        ok = found.ok
+        shares.append(error[ok] / (3.0 * found.error_estimate + known)[ok])
+        off.append(error[ok])
+    assert sum(map(len, off)) > 350
+    assert np.concatenate(shares).max() <= 1.0
+    assert np.median(np.concatenate(off)) < 2e-15 * abs(time)
+
+
 def test_a_turn_and_a_period_are_those_by_quadrature(body):
     states = random_states(body)
     motion, known = ex.simulate(states, t_eval=[0.0]), ex.periods(states, accuracy=1e-11)
@@ -130,14 +169,18 @@ def test_constants_stay_what_they_are(body, t):
     motion = ex.simulate(states, t_eval=[t * body.time_unit], observables=STATE)
     assert motion.ok.mean() > 0.97
     before, after = (ex.constants(each) for each in (states, states_at(body, motion)))
-    for name, size in (("energy", body.energy_unit), ("sigma3_bar", body.rate_unit), ("eta_hat_plus", body.rate_unit)):
+    for name, size in (
+        ("energy", body.energy_unit),
+        ("sigma3_bar", body.rate_unit),
+        ("eta_hat_plus", body.rate_unit),
+    ):
         off = abs(getattr(after, name) - getattr(before, name))[motion.ok] / size
         assert off.max() < 1e-12, name
 
 
 @pytest.mark.parametrize("eta_hat", [1e-6, -1e-12, 1e-50, -1e-200, 1e-290])
 def test_the_race_is_seen_at_any_distance_from_f_since_the_lowest_point(body, eta_hat):
-    """chi follows kappa atan of the time over that in which the tilt doubles, section 7: half of kappa pi each way."""
+    """chi follows kappa atan of the time over theta_min/A, section 7: half of kappa pi each way."""
     unit = body.rate_unit
     states = ex.constants_to_states(body, unit, eta_hat * unit, unit)
     motion = ex.simulate(states, t_eval=[0.0], observables=("tilt", "phidot", "chi"))
@@ -186,7 +229,7 @@ def test_integrations_ask_exact_motions_nothing(monkeypatch):
         ex.simulate(states, t_eval=[1.0])
     for method in ("rk8", "dop853"):
         how = {"method": method, "accuracy": 1e-6}
-        assert ex.simulate(states, t_eval=[0.5, 1.0], **how)(0.7).ok.all()
+        assert ex.simulate(states, t_eval=[1.0], **how)(0.7).ok.all()
         assert ex.bounces(states, 2, **how).ok.all()
         assert ex.periods(states, **how).ok.all()
         assert ex.passages(BODIES["uniform"], 1.0, [1e-3, -1e-6], 1.0, **how).ok.all()

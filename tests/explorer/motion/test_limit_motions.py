@@ -90,7 +90,7 @@ def test_the_two_limits_coincide_for_the_matching_body_and_only_for_it(paper_bod
 
 
 def test_every_bounce_turns_and_moves_the_picture_alike(paper_body):
-    """By chi_per_period, a whole turn for the matching body; also before the start, and after a million of them."""
+    """By chi_per_period, a whole turn for the matching body; also before the start, and after a million."""
     limit = limit_motion(start_on_f(paper_body, 1), 1)
     first = np.array([-2, -1, 0, 1, 2, 10**6, 10**6 + 1, 10**6 + 2])
     steps = np.diff(limit(0.3 + limit.period * first).path @ [1.0, 1.0j, 0.0])
@@ -171,7 +171,8 @@ def test_before_the_start_a_limit_motion_is_that_of_the_reversed_state(body, fac
     """Eq. (3.12): with the signs of phidot and time changed, chi and psi turn back, mirrored at the start."""
     unit = body.rate_unit
     there, back = (
-        limit_motion(ex.constants_to_states(body, 0.8 * unit, 0.0, 1.3 * unit * way, face), side) for way in (1, -1)
+        limit_motion(ex.constants_to_states(body, 0.8 * unit, 0.0, 1.3 * unit * way, face), side)
+        for way in (1, -1)
     )
     times = np.linspace(0.01, 9.0, 50) * body.time_unit
     before, after = there(-times), back(times)

@@ -464,7 +464,9 @@ def test_small_nutations_about_steady_motions_are_all_answered_by_dop853(accurac
         assert (error <= 3.0 * found.error_estimate + exact.error_estimate).all()
 
 
-@pytest.mark.parametrize("how", [{"t_end": 2.0}, *({"t_eval": [0.0, 0.5, 2.0], "method": m} for m in ("auto", "rk8"))])
+@pytest.mark.parametrize(
+    "how", [{"t_end": 2.0}, *({"t_eval": [0.0, 0.5, 2.0], "method": m} for m in ("auto", "rk8"))]
+)
 def test_some_motions_are_chosen_as_entries_of_an_array_are(how):
     states = ex.constants_to_states(BODIES["hoop"], 1.0, [0.1, 1e-3, 0.0, 1e-6], 1.0)
     motion = ex.simulate(states, **how)
