@@ -180,6 +180,7 @@ def test_chosen_motions_can_be_called_and_chosen_again(how):
     assert motion(2.0)[0, 1].phi == motion(2.0).phi[0, 1]
 
 
+@pytest.mark.filterwarnings("ignore::explorer.errors.CoarseTimesWarning")
 def test_each_motion_may_have_times_of_its_own_in_the_shape_of_the_states():
     states = states_of((2, 3))
     times = np.linspace(-3.0, 3.0, 24).reshape(2, 3, 4)

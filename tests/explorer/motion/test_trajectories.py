@@ -195,7 +195,7 @@ def test_only_what_was_asked_for_is_returned_and_time_zero_is_the_start():
         ({"t_end": 1.0, "observables": ()}, "give some of"),
         ({"t_end": 1.0, "method": "rk6"}, "did you mean 'rk"),
         ({"t_end": 1.0, "accuracy": 1e-20}, "accuracy"),
-        ({"t_end": 1.0, "chi0": 1e12}, "chi0 = 1000000000000.0 must be a finite number"),
+        ({"t_end": 1.0, "chi0": 1e12}, "chi0 = 1000000000000.0 must be finite numbers, from -10000 to 10000"),
         (
             {"t_end": 1.0, "max_steps": 2**63},
             "max_steps = 9223372036854775808 must be a whole number from 1 to 1e",
@@ -457,7 +457,7 @@ def test_small_nutations_about_steady_motions_are_all_answered_by_dop853(accurac
     states = ex.rates_to_states(BODIES["uniform"], tilt * near[0], 1e-3, precession * near[1], spin * near[2])
     found = ex.simulate(states, t_eval=[20.0], method="dop853", accuracy=accuracy, observables=("chi", "psi"))
     assert found.ok.all()
-    exact = ex.simulate(states, t_eval=[20.0], accuracy=1e-11, observables=("chi", "psi"))
+    exact = ex.simulate(states, t_eval=[20.0], observables=("chi", "psi"))
     assert exact.ok.all()
     for name in ("chi", "psi"):
         error = abs(getattr(found, name) - getattr(exact, name))[:, 0]
