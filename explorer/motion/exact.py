@@ -77,14 +77,12 @@ class Exact(NamedTuple):
     def seen(self, times: Array, lows: Array = SINCE_START) -> tuple[Array, Outcome]:
         """States (10, n, nt) at times (n or 1, nt), NaN where a motion is not OK, and what became of motions.
 
-        lows (n or 1, nt or 1): since which lower turning point times count, 0 that nearest to the start, or since the start
-        where NaN.
+        lows (n or 1, nt or 1): since which lower turning point times count, 0 that nearest to the start, or since
+        the start where NaN.
         """
         n, m, code = self.status.size, times.shape[1], compiled.status.Status
-        period, out = (
-            np.empty((len(compiled.motions.PeriodRow._fields), n)),
-            np.empty((n, m, compiled.motions.OUT)),
-        )
+        period = np.empty((len(compiled.motions.PeriodRow._fields), n))
+        out = np.empty((n, m, compiled.motions.OUT))
         rises = rises_of(self.disk, self.rows, self.starts, self.own, self.jump)
         when = np.ascontiguousarray(times), np.ascontiguousarray(lows)
         compiled.motions.motion_batch(rises, *when, self.path, self.disk.arc_disk, period, out)
@@ -130,8 +128,8 @@ class Exact(NamedTuple):
             most = np.where(good, 2.0 + 2.0 * points * (2.0 + end / half), 1.0)
         if self.status.size * most.max(initial=1.0) > MOST_POINTS:
             raise InputError(
-                f"t_end = {end * self.disk.time_unit:g}: the curves of {self.status.size} motion(s) would take more than "
-                f"{MOST_POINTS:,} times; give t_eval, fewer states or a smaller t_end"
+                f"t_end = {end * self.disk.time_unit:g}: the curves of {self.status.size} motion(s) would take more "
+                f"than {MOST_POINTS:,} times; give t_eval, fewer states or a smaller t_end"
             )
         courses = [
             _unfolded(each, float(since[j]), float(half[j]), end) if good[j] else (np.zeros(1), np.full(1, np.nan))

@@ -1,9 +1,9 @@
 """Rises of the tilt as the kernels lay them: between which turning points, and from where points are counted.
 
 A rise goes from the flatter turning point of a motion to the other one, which may lie beyond the vertical; on F it
-begins at flat, and a pendulum's ends there. Where a motion is slow on its way, at a crest of the potential, where it
-starts or at the vertical, that place is an anchor as well. Between two anchors the way is counted from either up to
-the middle; where they are far apart, from so near that nothing is left to do but to coast.
+begins at flat, and a pendulum's ends there. Where a motion is slow on its way, at a crest of the potential, where
+it starts or at the vertical, that place is an anchor as well. Between two anchors the way is counted from either
+up to the middle; where they are far apart, from so near that nothing is left to do but to coast.
 """
 
 from typing import Any, TypeAlias
@@ -47,6 +47,11 @@ class _Slow:
     def note(self, rows: NDArray[np.intp], place: Any, middle: Array, after: Array, other: Any) -> None:
         """These motions are slow there."""
         self.place[:, rows], self.middle[rows], self.after[rows], self.other[rows] = place, middle, after, other
+
+    @property
+    def found(self) -> Place:
+        """These places."""
+        return compiled.turning_points.Place(*self.place)
 
     @property
     def there(self) -> NDArray[np.bool_]:
@@ -116,7 +121,7 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
             (upper, np.where(crosses, far_Y, Y), np.where(crosses, -1.0, 1.0)),
             (vertical, Y, np.ones(n)),
             (mirrored, far_Y, -np.ones(n)),
-            (compiled.turning_points.Place(*slow.place), np.where(slow.other, far_Y, Y), np.where(slow.other, -1.0, 1.0)),
+            (slow.found, np.where(slow.other, far_Y, Y), np.where(slow.other, -1.0, 1.0)),
         )
     ])  # fmt: skip
     at_lower, at_upper, at_vertical, at_mirrored, at_slow = np.arange(5)[:, None] * n + np.arange(n)
@@ -173,7 +178,8 @@ def _slow_places(disk: Disk, m: ArcStarts, e: Ends, turned: Any, distances: Any,
     )
     slow.note(rows, rows_of(vertical, rows), up[rows], above[rows], False)
     other = from_place(m.starts.X, m.Y_far, beyond(e.vertical))
-    # Seen from the state, towards flat is back to the lower turning point, or, if that is on the other face, ahead.
+    # Seen from the state, towards flat is back to the lower turning point, or, if that is on the other face,
+    # ahead.
     back = np.where(turned, 1.0, -1.0)
     for end, starts, before, after, way, inward, far_side in (
         (e.inner, m.starts, place, left, back, True, turned),

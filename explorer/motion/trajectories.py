@@ -79,9 +79,9 @@ class Trajectories(WithStatus):
         motion, and that at the end of an integration. An exact motion errs by what its series leave out, by the
         rounding of their sums and of the state that was given, and by what a shift of the time, some 1e-16 t,
         makes of chi inside a race. Of an integration it is estimated from how far steps were moved to hold the
-        constants, how fast chi turns at the end, and the rounding of a long path; motions that may err by more than
-        was asked are followed again by finer steps. Where the constants do not reveal the error, as with I3 = 0,
-        in fast spins and after many periods, the motion is integrated twice and the two results are compared.
+        constants, how fast chi turns at the end, and the rounding of a long path; motions that may err by more
+        than was asked are followed again by finer steps. Where the constants do not reveal the error, as with I3 =
+        0, in fast spins and after many periods, the motion is integrated twice and the two results are compared.
     lengths : array of int
         Number of times in the row of each motion; 0 where the status is not OK.
     period, turn : array or None
@@ -174,14 +174,14 @@ class Trajectories(WithStatus):
         """
         one_of("since", since, ("start", "lowest"))
         (times,), _ = read_columns(t=t)
-        disk, shape, source = self.states.disk, np.shape(t), self._source
+        shape, source = np.shape(t), self._source
         exact, lows = isinstance(source, Exact), SINCE_START
         if not np.isfinite(times).all():
             raise InputError(f"{said('t', t)}: times must be finite")
         if not exact and (since != "start" or not ((times >= 0.0) & (times <= self.t_end * _ROUNDED)).all()):
             raise InputError(
-                f"{said('t', t)}, since = {since!r}: times must lie between 0 and {self.t_end:g}, to which the motion "
-                "was integrated; a motion of method auto has no such limits"
+                f"{said('t', t)}, since = {since!r}: times must lie between 0 and {self.t_end:g}, to which the "
+                "motion was integrated; a motion of method auto has no such limits"
             )
         if isinstance(source, Exact) and since == "lowest":
             lows = source.lowest()[:, None]
@@ -233,11 +233,11 @@ def simulate(
     states : States
         Where the motions start.
     t_end : float, optional
-        End of the motion, for method 'auto' and I3 > 0. Its times are those between which chi changes by 0.2 rad at
-        most, near F too.
+        End of the motion, for method 'auto' and I3 > 0. Its times are those between which chi changes by 0.2 rad
+        at most, near F too.
     t_eval : (nt,) or (..., nt) array, optional
-        Increasing times at which to sample instead, the same for all motions, or those of each. Only those of exact
-        motions may be negative, or differ.
+        Increasing times at which to sample instead, the same for all motions, or those of each. Only those of
+        exact motions may be negative, or differ.
     observables : sequence of str
         Any of phi, tilt, phidot, sigma3, sigma4, chi, psi, path, contact. Only these are computed.
     method : str
@@ -303,8 +303,8 @@ def simulate(
     end = positive("t_end", t_end)
     if not isinstance(source, Exact):
         raise InputError(
-            f"t_end = {end:g}: method {how.method}, an integration, takes times that are given; give t_eval, or, where "
-            "I3 > 0, leave method out"
+            f"t_end = {end:g}: method {how.method}, an integration, takes times that are given; give t_eval, or, "
+            "where I3 > 0, leave method out"
         )
     times, lows, lengths = source.curve(end * states.disk.rate_unit)
     return _trajectories(source, states, times * states.disk.time_unit, names, jobs, lows, lengths, end)

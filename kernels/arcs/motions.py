@@ -5,8 +5,8 @@ One period turns the picture by an angle and moves it along, so that whole perio
 left of a time is folded to the nearest lower turning point, about which no digit of a race is lost. On the falling
 set the lower turning point is flat itself, and half of the jump of chi lies on either side of it (section 7).
 
-Pieces of N motions are laid at a time, and read N at a time, each lane for one motion at one time; nothing of them is
-kept. Errors are sums of those of pieces, over all rises so far.
+Pieces of N motions are laid at a time, and read N at a time, each lane for one motion at one time; nothing of them
+is kept. Errors are sums of those of pieces, over all rises so far.
 """
 
 import math
@@ -60,8 +60,8 @@ class Given(NamedTuple):
     stretch, distance: where it is counted from an anchor; tan(theta/2) where it `coasts`. rises: whether theta, as
     the rise sees it, grows. face: -1 where the rise is seen in a mirror, as from the other face. jump: of chi at
     flat, 0 off F; upright: the rise ends at the other flat state. chi_rate, psi_rate, sigma4: as `Rates`. unsure:
-    what rounding of the state leaves unknown of its energy. grows: the rate at which a motion leaves an equilibrium
-    on which it stands; else 0.
+    what rounding of the state leaves unknown of its energy. grows: the rate at which a motion leaves an
+    equilibrium on which it stands; else 0.
     """
 
     stretch: float
@@ -79,7 +79,7 @@ class Given(NamedTuple):
 
 
 class Rises(NamedTuple):
-    """Rises of n motions: records of `Anchor`, of `Stretch`, STRETCHES for each, and of `Given`, in flat arrays."""
+    """Rises of n motions: records of `Anchor`, `Stretch`, STRETCHES for each, and `Given`, in flat arrays."""
 
     anchors: Vector
     stretches: Vector
@@ -134,7 +134,7 @@ class Seen(NamedTuple):
 
 
 class Origin(NamedTuple):
-    """Where a motion starts: angles and centre there; sine and cosine of chi, of a period's, and of half of that."""
+    """Where a motion starts: angles and centre; sine and cosine of chi, of a period's, and of half of that."""
 
     chi: float
     psi: float
@@ -155,7 +155,8 @@ errors_of, put_errors, ERRORS = reader(Errors, 1), writer(Errors, 1), len(Errors
 origin_of, put_origin, ORIGIN = reader(Origin, 1), writer(Origin, 1), len(Origin._fields)
 seen_of, put_seen = reader(Seen, N), writer(Seen, N)
 _low_of, _piece_of = reader(Low, N), reader(Piece, N)
-# Rows of lanes: which piece, the time on the rise, -1 on the fall; Newton's method; what is found; the piece itself.
+# Rows of lanes: which piece, the time on the rise, -1 on the fall; Newton's method; what is found; the piece
+# itself.
 _NUMBER, _TIME, _SIDE, _WANT, _U, _BELOW, _ABOVE, _LEFT = range(0, 8 * N, N)
 _SEEN = 8 * N
 _HERE = _SEEN + len(Seen._fields) * N
@@ -194,10 +195,10 @@ def time_of(given: Given, piece: Piece, P: Vector, at: int) -> float:
     here = piece.stretch == given.stretch
     if here & (piece.kind == COAST) & (given.coasts == 1.0):
         part = 2.0 * (d - piece.start) / piece.length
-    elif here & (piece.kind != COAST) & (given.coasts == 0.0):
-        if (d >= piece.start) & (d <= (piece.start + piece.length) * (1.0 + EPSILON)):
-            v = min((d - piece.start) / piece.length, 1.0)
-            part = clenshaw(P, at + HEAD + TIME, v, piece.kind == TURN)
+    within = (d >= piece.start) & (d <= (piece.start + piece.length) * (1.0 + EPSILON))
+    if here & (piece.kind != COAST) & (given.coasts == 0.0) & within:
+        v = min((d - piece.start) / piece.length, 1.0)
+        part = clenshaw(P, at + HEAD + TIME, v, piece.kind == TURN)
     return piece.sign * part
 
 
@@ -391,8 +392,9 @@ def put_motion(
     out[5], out[6], out[7] = at_time.time, chi, own * psi
     out[8] = own * (start.cosine * gx + start.sine * gy)
     out[9] = own * (start.cosine * gy - start.sine * gx)
-    # Errors of whole rises, and of the place of the state, add up; within a piece there is that of its series. What a
-    # delay changes is what goes on otherwise than at the start, but an error of the time itself changes all.
+    # Errors of whole rises, and of the place of the state, add up; within a piece there is that of its series.
+    # What a delay changes is what goes on otherwise than at the start, but an error of the time itself changes
+    # all.
     rises = 2.0 * abs(count) + 2.0
     delay, clock = rises * errors.delay, rises * errors.time + errors.time_within
     clock += EPSILON * (abs(at_time.time) + abs(rise.since))
@@ -451,8 +453,8 @@ def motion_batch(
 ) -> None:
     """Motions at times -> found (9, n), rows as PeriodRow; out (n, nt, OUT). NaN of motions without pieces.
 
-    times, lows: (n or 1, nt or 1); lows: the number of the lower turning point since which a time counts, 0 the one
-    nearest to the state, or NaN: it counts since the state.
+    times, lows: (n or 1, nt or 1); lows: the number of the lower turning point since which a time counts, 0 the
+    one nearest to the state, or NaN: it counts since the state.
     """
     W, L, pool, n, m = np.zeros(ROOM), np.zeros(_ROWS), make_pool(), out.shape[0], out.shape[1]
     R, E, S = np.zeros(N * RISE), np.zeros(N * ERRORS), np.zeros(N * ORIGIN)

@@ -1,11 +1,11 @@
 """A rise of the tilt as series: time, angles and centre on pieces of the way between two turning points.
 
-Points of a rise are counted from anchors, so that no digit of the speed is lost (`potential`): from a turning point,
-or from a place between at which the motion is slow. The stretch that is counted from one anchor is cut into pieces
-a <= d <= a + L of the distance d in x. With v = (d - a)/L, integrals over a piece are Chebyshev series of N
-coefficients: in odd T(sqrt v) where it begins at a turning point, since all goes like sqrt(v) there, else in
-T(2v - 1). By mirror symmetry about the line through a turning point, of the centre only the part along that line
-goes like sqrt(v); the part across goes like v.
+Points of a rise are counted from anchors, so that no digit of the speed is lost (`potential`): from a turning
+point, or from a place between at which the motion is slow. The stretch that is counted from one anchor is cut into
+pieces a <= d <= a + L of the distance d in x. With v = (d - a)/L, integrals over a piece are Chebyshev series of N
+coefficients: in odd T(sqrt v) where it begins at a turning point, since all goes like sqrt(v) there, else in T(2v
+- 1). By mirror symmetry about the line through a turning point, of the centre only the part along that line goes
+like sqrt(v); the part across goes like v.
 
 Deep below nothing changes but tan(theta/2), linearly in time: on a coast, which is one piece at any depth.
 """
@@ -57,7 +57,7 @@ TIME, CHI, PSI, ACROSS, ALONG, SPEED, RATIO, SIGMA4 = range(0, SERIES * N, N)
 
 
 class Anchor(NamedTuple):
-    """A place of a rise from which distances are counted, as in `turning_points.Place`; face: +1 on the lower one's.
+    """A place from which distances are counted, as in `turning_points.Place`; face: +1 on the lower one's.
 
     Of flat, r is tan(theta/2) up to which a motion on F only coasts.
     """
@@ -103,9 +103,9 @@ class Low(NamedTuple):
 class Piece(NamedTuple):
     """A piece but for its series: kind; the stretch it is of, whose distances grow with time where sign is +1.
 
-    face, r: of the anchor. start, length: in x; of a coast tan(theta/2) at its beginning, and how fast that changes.
-    span: of time. slope, grown, bend: how the time begins to grow with v or its root, by how much faster it does at
-    the end, and the logarithm of that.
+    face, r: of the anchor. start, length: in x; of a coast tan(theta/2) at its beginning, and how fast that
+    changes. span: of time. slope, grown, bend: how the time begins to grow with v or its root, by how much faster
+    it does at the end, and the logarithm of that.
     """
 
     kind: float
@@ -136,8 +136,8 @@ class Rates(NamedTuple):
 class Errors(NamedTuple):
     """Errors of a rise from end to end, and within.
 
-    delay: of time, from rounding; time, angle (rad), path: what else there is of these, of what does not go on as at
-    the start. time_within, angle_within, path_within: what series leave out. way: of the centre.
+    delay: of time, from rounding; time, angle (rad), path: what else there is of these, of what does not go on as
+    at the start. time_within, angle_within, path_within: what series leave out. way: of the centre.
     """
 
     delay: float
@@ -169,8 +169,8 @@ ROOM = _BENT + N * N
 def matrices() -> Vector:
     """Nodes v (N), and matrices from values there, transposed, one after another.
 
-    They give coefficients of the values, of the integral from v = 0 and of that of values/sqrt(v), both of these at
-    the nodes, and from V'' the coefficients of its mean, as `bend` has it.
+    They give coefficients of the values, of the integral from v = 0 and of that of values/sqrt(v), both of these
+    at the nodes, and from V'' the coefficients of its mean, as `bend` has it.
     """
     angle, order = (np.arange(N) + 0.5) * np.pi / N, np.arange(N)
     cosines = np.where(order == 0, 1.0, 2.0)[:, None] / N * np.cos(np.outer(order, angle))
@@ -263,7 +263,7 @@ def stand(W: Vector, at: int, anchor: Anchor, disk: ArcDisk) -> None:
 
 @device
 def size_of(anchor: Anchor) -> float:
-    """What K at an anchor is a sum of, and was found from; at a turning point it is 0, and that may be elsewhere."""
+    """What K at an anchor was found from; at a turning point it is 0, and that may be elsewhere."""
     return anchor.error / (4.0 * EPSILON) if anchor.K > 0.0 else 0.0
 
 
