@@ -124,12 +124,12 @@ class Exact(NamedTuple):
         half, since = 0.5 * period.time, period.since
         good = outcome.status == compiled.status.Status.OK
         points = np.array([each.size for each in alike], float)
-        with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore", over="ignore"):
             most = np.where(good, 2.0 + 2.0 * points * (2.0 + end / half), 1.0)
         if self.status.size * most.max(initial=1.0) > MOST_POINTS:
             raise InputError(
-                f"t_end = {end * self.disk.time_unit:g}: the curves of {self.status.size} motion(s) would take more "
-                f"than {MOST_POINTS:,} times; give t_eval, fewer states or a smaller t_end"
+                f"t_end = {end * self.disk.time_unit:g}: the curves of {self.status.size} motion(s) would take "
+                f"more than {MOST_POINTS:,} times; give t_eval, fewer states or a smaller t_end"
             )
         courses = [
             _unfolded(each, float(since[j]), float(half[j]), end) if good[j] else (np.zeros(1), np.full(1, np.nan))

@@ -71,7 +71,7 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
     place, left = e.inner.d, e.outer.d + np.where(crosses, e.far.d, 0.0)  # of the state, from both turning points
     here, there = e.inner.d + e.outer.d, e.far.d
     lower, upper = e.inner, _either(crosses, e.far, e.outer)
-    flat = _flat(disk, m, e)
+    flat = _flat(disk, m, e, turned) if on_f.any() else lower
     place = np.where(on_f & ~turned, np.inf, place)
     left = np.where(pendulum | (on_f & turned), np.inf, left)
     lower = _either(on_f & ~turned, flat, lower)
@@ -79,18 +79,15 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
     here, there = np.where(on_f & ~turned, np.inf, here), np.where(pendulum | (on_f & turned), np.inf, there)
     vertical, mirrored = e.vertical, beyond(e.vertical)
 
-    def either(one: Any, other: Any) -> Any:
-        return _either(turned, one, other) if isinstance(one, tuple) else np.where(turned, one, other)
-
-    place, left, up, above = either(left, place), either(place, left), either(there, here), either(here, there)
-    on_f, pendulum = on_f, pendulum
-    lower, upper, vertical, mirrored = (
-        either(upper, lower),
-        either(lower, upper),
-        either(mirrored, vertical),
-        either(vertical, mirrored),
-    )
-    Y, far_Y, own = either(far_Y, Y), either(Y, far_Y), np.where(turned, -own, own)
+    # By how many units of rounding the constants may be off, as they were found from a state.
+    off = np.stack([m.unsure * abs(Y), m.unsure_far * abs(far_Y)])
+    loose = np.fmax(1.0, off / (_ROUNDING * (abs(X) + abs(np.stack([Y, far_Y])))))
+    place, left = np.where(turned, [left, place], [place, left])
+    up, above = np.where(turned, [there, here], [here, there])
+    (Y, far_Y), (loose, far_loose) = np.where(turned, [[far_Y, Y], loose[::-1]], [[Y, far_Y], loose])
+    lower, upper = _either(turned, upper, lower), _either(turned, lower, upper)
+    vertical, mirrored = _either(turned, mirrored, vertical), _either(turned, vertical, mirrored)
+    own = np.where(turned, -own, own)
     way = np.fmax(np.where(crosses, up + above, place + left), compiled.pieces.STEADY)
     slow = _slow_places(disk, m, e, turned, (place, left, up, above), vertical)
 
@@ -114,16 +111,12 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
     upper = upper._replace(r=np.where(pendulum, np.exp(-of_middle - ahead), upper.r))
     apart = np.where((way < _NARROW) & ~slow.there & ~(e.slowest < np.inf), way, 0.0)
 
-    anchors = np.stack([
-        np.stack([X, constant, face, at.r, at.w, at.sigma3, at.sigma4, at.K, at.slow, at.error])
-        for at, constant, face in (
-            (lower, Y, np.ones(n)),
-            (upper, np.where(crosses, far_Y, Y), np.where(crosses, -1.0, 1.0)),
-            (vertical, Y, np.ones(n)),
-            (mirrored, far_Y, -np.ones(n)),
-            (slow.found, np.where(slow.other, far_Y, Y), np.where(slow.other, -1.0, 1.0)),
-        )
-    ])  # fmt: skip
+    mine, others = np.stack([X, Y, np.ones(n), loose]), np.stack([X, far_Y, -np.ones(n), far_loose])
+    no, yes = np.zeros(n, np.bool_), np.ones(n, np.bool_)
+    anchors = []
+    for at, far in ((lower, no), (upper, crosses), (vertical, no), (mirrored, yes), (slow.found, slow.other)):
+        *motion, off = np.where(far, others, mine)
+        anchors.append(np.stack([*motion, *at[1:8], off]))
     at_lower, at_upper, at_vertical, at_mirrored, at_slow = np.arange(5)[:, None] * n + np.arange(n)
     never, none = np.full(n, np.inf), np.zeros(n)
     stretches = np.stack([
@@ -132,6 +125,8 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
         np.stack([at_slow, at_mirrored, np.where(crosses & ~slow.other, -of_middle, never), ahead, none, none]),
         np.stack([at_upper, at_vertical, np.where(crosses, above, never), last, coast_above, apart]),
     ])  # fmt: skip
+    # A motion that falls, or is none, has no rise.
+    stretches[:, 3:5, np.isnan(lower.r) | np.isnan(upper.r)] = 0.0
     off = np.where(np.isfinite(place), place - slow.middle, slow.after - left)
     tangent = rows.q / (1.0 + abs(rows.z))
     off = np.where(pendulum, np.where(turned, -1.0, 1.0) * np.log(tangent) - of_middle, off)
@@ -149,20 +144,28 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
     # A state's height is known by its distance from turning points, its speed to rounding.
     turn, unsure = rows.rho / rows.q, _ROUNDING * disk.body.M * rows.p**2
     rates = turn, own * (rows.z * turn - rows.sigma4), own * rows.sigma4
-    resting = (way == compiled.pieces.STEADY) & (rows.p == 0.0)
+    # Where V' is 0 by symmetry it is no sum that has lost its digits.
+    resting = (way == compiled.pieces.STEADY) & (rows.p == 0.0) & (rows.z != 0.0)
     grows = np.where(resting, np.sqrt(np.fmax(-_bend(disk, rows) / disk.body.M, 0.0)) / rows.q, 0.0)
     given = [number, distance, coasts, own * rows.p >= 0.0, own, jump, pendulum, *rates, unsure, grows]
     flattened = (
         np.moveaxis(each, -2, -1).ravel()
-        for each in (anchors, np.moveaxis(stretches, 2, 0).swapaxes(1, 2), np.stack(given))
+        for each in (np.stack(anchors), np.moveaxis(stretches, 2, 0).swapaxes(1, 2), np.stack(given))
     )
     return compiled.motions.Rises(*map(np.ascontiguousarray, flattened))
 
 
-def _flat(disk: Disk, m: ArcStarts, e: Ends) -> Place:
+def _flat(disk: Disk, m: ArcStarts, e: Ends, turned: NDArray[np.bool_]) -> Place:
     """Flat as motions on F come to it: by what they have at a place that is as good as there."""
     flat = compiled.turning_points.Place(
-        *places(disk, from_place(m.starts.X, m.starts.Y, e.outer), np.full(e.crosses.size, _FLAT_FROM), True)
+        *places(
+            disk,
+            from_place(
+                m.starts.X, np.where(turned, m.Y_far, m.starts.Y), _either(turned, beyond(e.vertical), e.outer)
+            ),
+            np.full(e.crosses.size, _FLAT_FROM),
+            True,
+        )
     )
     none = np.zeros(e.crosses.size)
     return flat._replace(d=none, r=none, w=none + 1.0, sigma3=none, slow=none + np.inf)

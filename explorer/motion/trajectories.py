@@ -85,7 +85,8 @@ class Trajectories(WithStatus):
     lengths : array of int
         Number of times in the row of each motion; 0 where the status is not OK.
     period, turn : array or None
-        Period of the tilt, and by how much chi increases in it (rad); of exact motions.
+        Period of the tilt, and by how much chi increases in it (rad); of exact motions, and NaN where that is not
+        known to the accuracy asked, as of one that stands on an equilibrium.
     shift : (..., 3) array or None
         Shift of the centre in the first period, along the table; of exact motions whose path was asked for.
     t_end : float
@@ -364,11 +365,14 @@ def _trajectories(
     outcome = Outcome(*columns)
     ok = outcome.status == compiled.status.Status.OK
     known: dict[str, Any] = dict.fromkeys(("period", "turn", "shift"))
-    if outcome.period is not None:
-        each = compiled.motions.PeriodRow(*np.where(ok, outcome.period, np.nan))
+    if isinstance(source, Exact):
+        each, path = compiled.motions.PeriodRow(*outcome.period), source.path
+        sure = ok & (each.time_error <= source.accuracy * each.time) & (each.angle_error <= source.accuracy)
+        sure &= (not path) | (each.path_error <= source.accuracy)
+        each = compiled.motions.PeriodRow(*np.where(sure, outcome.period, np.nan))
         known = {"period": each.time * disk.time_unit, "turn": each.chi}
         away = np.stack([each.a1, each.a2, 0.0 * each.a1], axis=-1)
-        known["shift"] = disk.r * away if "path" in names or "contact" in names else None
+        known["shift"] = disk.r * away if source.path else None
     return Trajectories(
         t=at,
         **dict.fromkeys((*ALL, *OTHERS)) | values,

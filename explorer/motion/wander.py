@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from explorer import compiled
 from explorer.errors import InputError, number, whole
 from explorer.motion.trajectories import simulate
 from explorer.phase.arguments import read_pair
@@ -103,10 +104,11 @@ def wander(states: States) -> Wander:
     (True, array([0, 0], dtype=int8))
     """
     require_axial_inertia(require_states(states).disk)
-    each = simulate(states, t_eval=[0.0], observables=("path",))
+    each, code = simulate(states, t_eval=[0.0], observables=("path",)), compiled.status.Status
+    status = np.where(each.ok & np.isnan(each.turn), code.TOO_FEW_DIGITS, each.status).astype(np.int8)[()]
     with np.errstate(divide="ignore"):
         radius = np.hypot(each.shift[..., 0], each.shift[..., 1]) / (2.0 * abs(np.sin(0.5 * each.turn)))
-    return Wander(each.period, each.turn, each.shift, radius, each.status, states)
+    return Wander(each.period, each.turn, each.shift, radius, status, states)
 
 
 def resonance(

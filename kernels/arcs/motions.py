@@ -395,7 +395,7 @@ def put_motion(
     # Errors of whole rises, and of the place of the state, add up; within a piece there is that of its series.
     # What a delay changes is what goes on otherwise than at the start, but an error of the time itself changes
     # all.
-    rises = 2.0 * abs(count) + 2.0
+    rises = abs(at_time.time) / rise.time + 1.0
     delay, clock = rises * errors.delay, rises * errors.time + errors.time_within
     clock += EPSILON * (abs(at_time.time) + abs(rise.since))
     if at_time.passed == at_time.passed:  # beside a lower turning point series know the time relative to itself
@@ -474,9 +474,18 @@ def motion_batch(
             start, given = origin(seen, 2.0 * rise.chi), given_of(rises.given, (block + j) * GIVEN, 0)
             put_origin(S, j * ORIGIN, 0, start)
             put_motion(one, seen, When(2.0 * rise.time, 1.0, 0.0, math.nan), start, rise, errors, given)
-            none = pool.first[j + 1] == pool.first[j]
+            late, chi_rate = 2.0 * (errors.delay + errors.time), seen.ratio / seen.q
+            fast = abs(chi_rate) + abs(seen.z * chi_rate - seen.sigma4)
             period = PeriodRow(
-                math.nan if none else one[5], one[6], one[7], one[8], one[9], rise.since, one[10], one[11], one[12]
+                one[5] if pool.first[j + 1] > pool.first[j] else math.nan,
+                one[6],
+                one[7],
+                one[8],
+                one[9],
+                rise.since,
+                late,
+                one[11] + fast * late,
+                one[12] + (abs(seen.sigma4) + abs(seen.p)) * late,
             )
             put(period, found, block + j)
         for pair in range(0, count * m, N):

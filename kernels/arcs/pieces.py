@@ -39,7 +39,7 @@ STRETCHES = 4  # of a rise at most: from the lower turning point, from a slow pl
 DEEP = 37.5  # in x: so far from the wall and from the vertical only tan(theta/2) changes, by rounding
 STEADY = 1e-30  # in x: how far apart the turning points of a steady motion are said to be
 MOST = 2048  # pieces of a rise: most have 2 to 40, and a path one more for every eight radians of chi
-LEFT_OUT = 1e-13  # by a series, relative to its own size or to a radian
+LEFT_OUT = 2e-14  # by a series, relative to its own size or to a radian
 _FIRST, _LONGEST, _GROWTH = (
     1.7,
     5.0,
@@ -49,7 +49,7 @@ _BARELY = 1.3  # of a step: a last piece as long is not cut
 _SHORTEST = 1e-9  # of the scale at an anchor
 TAILS = 3.0  # what a series leaves out is within so many times what its last coefficients say
 _NEAR = 0.5  # in x: so far from a place at which a motion is slow K comes from V''
-_ROUNDING = 2.0 * EPSILON  # of what a speed is found from, for each unit of what K is a sum of
+_ROUNDING = 0.5 * EPSILON  # of a speed, for each unit of what K is a sum of: that is off by about one of rounding
 # Kinds of pieces
 PLAIN, TURN, COAST = 0.0, 1.0, 2.0
 SERIES = 8
@@ -59,7 +59,8 @@ TIME, CHI, PSI, ACROSS, ALONG, SPEED, RATIO, SIGMA4 = range(0, SERIES * N, N)
 class Anchor(NamedTuple):
     """A place from which distances are counted, as in `turning_points.Place`; face: +1 on the lower one's.
 
-    Of flat, r is tan(theta/2) up to which a motion on F only coasts.
+    Of flat, r is tan(theta/2) up to which a motion on F only coasts. loose: by how many units of rounding X and Y
+    may be off, as they were found from a state.
     """
 
     X: float
@@ -72,6 +73,7 @@ class Anchor(NamedTuple):
     K: float
     slow: float
     error: float
+    loose: float
 
 
 class Stretch(NamedTuple):
@@ -274,7 +276,7 @@ def write(W: Vector, k: int, P: Point, anchor: Anchor, there: bool, b: Body) -> 
     W[_K + k], W[_Q + k] = anchor.K - P.rise if there else W[_K + k], P.q if there else W[_Q + k]
     W[_Z + k], W[_RATIO + k] = anchor.face * P.z if there else W[_Z + k], P.ratio if there else W[_RATIO + k]
     W[_SIGMA4 + k] = anchor.face * P.sigma4 if there else W[_SIGMA4 + k]
-    W[_SIZE + k] = P.size + size_of(anchor) if there else W[_SIZE + k]
+    W[_SIZE + k] = anchor.loose * (P.size + size_of(anchor)) if there else W[_SIZE + k]
     W[_BEND + k] = bend if there else W[_BEND + k]
 
 
