@@ -49,7 +49,7 @@ from kernels.arcs.pieces import (
     view_of,
 )
 from kernels.arcs.potential import ArcDisk
-from kernels.disk.elementary import EPSILON, exponential, logarithm, sine_cosine
+from kernels.disk.elementary import EPSILON, SMALLEST, exponential, logarithm, sine_cosine
 from kernels.records import Entry, put, reader, writer
 from kernels.types import Longs, Matrix, Table, Vector
 
@@ -402,7 +402,7 @@ def put_motion(
         delay, near = 2.0 * abs(at_time.passed) * errors.delay, at_time.passed == 0.0
         clock = (TAILS * LEFT_OUT + EPSILON) * abs(at_time.since)
         clock += 0.0 if near else 2.0 * abs(at_time.passed) * errors.time + errors.time_within
-    chi_rate = at.ratio / at.q
+    chi_rate = at.ratio / max(at.q, SMALLEST)
     turned = abs(chi_rate - given.chi_rate) + abs(at.z * chi_rate - at.sigma4 - given.psi_rate)
     grown = math.exp(min(given.grows * abs(at_time.time), _MOST_GROWN))
     angle = rises * errors.angle + errors.angle_within + 4.0 * EPSILON * (abs(chi) + abs(psi) + grown)
@@ -474,7 +474,7 @@ def motion_batch(
             start, given = origin(seen, 2.0 * rise.chi), given_of(rises.given, (block + j) * GIVEN, 0)
             put_origin(S, j * ORIGIN, 0, start)
             put_motion(one, seen, When(2.0 * rise.time, 1.0, 0.0, math.nan), start, rise, errors, given)
-            late, chi_rate = 2.0 * (errors.delay + errors.time), seen.ratio / seen.q
+            late, chi_rate = 2.0 * (errors.delay + errors.time), seen.ratio / max(seen.q, SMALLEST)
             fast = abs(chi_rate) + abs(seen.z * chi_rate - seen.sigma4)
             period = PeriodRow(
                 one[5] if pool.first[j + 1] > pool.first[j] else math.nan,
