@@ -26,6 +26,7 @@ _NARROW = 0.5  # in x: in so narrow a well K comes from V''
 _SLOW = 0.3
 _FLAT_FROM = 300.0  # in x: what lies below the vertical by so much is flat
 _ROUNDING = 2.2e-16  # of a double
+_OF_BOUND = 0.25  # the bound of eta's rounding allows four units of it for a sum that is off by about one
 
 
 def _either(rows: NDArray[np.bool_], one: Any, other: Any) -> Place:
@@ -81,7 +82,7 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
 
     # By how many units of rounding the constants may be off, as they were found from a state.
     off = np.stack([m.unsure * abs(Y), m.unsure_far * abs(far_Y)])
-    loose = np.fmax(1.0, off / (_ROUNDING * (abs(X) + abs(np.stack([Y, far_Y])))))
+    loose = np.fmax(1.0, _OF_BOUND * off / (_ROUNDING * (abs(X) + abs(np.stack([Y, far_Y])))))
     place, left = np.where(turned, [left, place], [place, left])
     up, above = np.where(turned, [there, here], [here, there])
     Y, far_Y = np.where(turned, [far_Y, Y], [Y, far_Y])
@@ -142,9 +143,11 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
     number = np.select(where, [0, 3, 2, 1], np.where(slow.there & (off > 0.0), 3, 0))
     # A pendulum's side is that of eta on face +1; on the other one eta has the other sign.
     jump = np.where(pendulum, own * jump, jump)
-    # A state's height is known by its distance from turning points, its speed to rounding.
+    # The height of a state is known by its distance from turning points, its speed to rounding. A race soon ends, so
+    # that no motion goes on as in one; but a small nutation about a steady motion may be as fast.
     turn, unsure = rows.rho / rows.q, _ROUNDING * disk.body.M * rows.p**2
-    rates = turn, own * (rows.z * turn - rows.sigma4), own * rows.sigma4
+    lasting = (way < _NARROW) | (abs(turn) <= compiled.motions.FAST)
+    rates = turn * lasting, own * (rows.z * turn - rows.sigma4) * lasting, own * rows.sigma4
     # Where V' is 0 by symmetry it is no sum that has lost its digits.
     resting = (way == compiled.pieces.STEADY) & (rows.p == 0.0) & (rows.z != 0.0)
     grows = np.where(resting, np.sqrt(np.fmax(-_bend(disk, rows) / disk.body.M, 0.0)) / rows.q, 0.0)

@@ -163,7 +163,7 @@ _HERE = _SEEN + len(Seen._fields) * N
 _SERIES = _HERE + HEAD * N
 _ROWS = _HERE + WIDE * N
 _NEWTON, _ALMOST = 60, 1e-9  # steps, each of which doubles the digits; the last one has them all
-_FAST = 3.0  # rates (natural units) from which an error of the time is a larger one of angles: in a race
+FAST = 3.0  # rates (natural units) from which an error of the time is a larger one of angles: in a race
 _MOST_GROWN = 100.0  # of an error, by so many powers of e: nothing is known
 _HALF_TURNED = 1e-12  # rad: below, periods add up in a straight line
 OUT = 13  # what is found at a time: a state, and the errors of its time, angles and centre
@@ -407,9 +407,9 @@ def put_motion(
     grown = math.exp(min(given.grows * abs(at_time.time), _MOST_GROWN))
     angle = rises * errors.angle + errors.angle_within + 4.0 * EPSILON * (abs(chi) + abs(psi) + grown)
     out[10] = delay * turned + clock * abs(chi_rate)
-    out[11] = angle + delay * (abs(at.p) + min(turned, _FAST)) + clock * (abs(at.p) + _FAST)
+    out[11] = angle + delay * (abs(at.p) + min(turned, FAST)) + clock * (abs(at.p) + FAST)
     moved = rises * (errors.path + errors.way * errors.angle_within) + errors.path_within
-    away = abs(at.sigma4 - given.sigma4) + abs(at.p) + min(turned, _FAST) * (1.0 + abs(gx) + abs(gy))
+    away = abs(at.sigma4 - given.sigma4) + abs(at.p) + min(turned, FAST) * (1.0 + abs(gx) + abs(gy))
     out[12] = delay * away + clock * (abs(at.sigma4) + abs(at.p)) + moved + (wide + abs(gx) + abs(gy)) * angle
 
 

@@ -42,7 +42,7 @@ _LEAST_STEP = 2.0 * EPSILON  # of a distance: no step is shorter
 _ALMOST = 1e-12  # of a distance: the next step is at rounding
 _DEEPEST = 745.0  # in x, below the vertical: tan(theta/2) is the smallest number there
 _STEPS = 400 + int(_DEEPEST / REACH)  # sixteen for each decade of closeness to a crest, and those of the whole way
-_BESIDE = 1e-13  # in x: so near to a start its derivatives give K to as many digits, and rounding loses more
+_BESIDE = 1e-13  # in x: so near to a start on a crest K is as its derivatives say there; rounding loses it
 _FLAT = 60.0  # from the vertical: V on F is that at flat
 _LEAST = 1e-300  # what is never 0
 _ROUNDING = 4.0 * EPSILON  # of K, for each unit of what it was summed from
@@ -139,7 +139,7 @@ def stand(A: Vector, i: int, inward: bool, b: Body) -> None:
     d, K = A[_D + i], A[_MOVING + i]
     P = point_of(A, i, d, inward, b)
     slope, bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
-    lost = (d < _BESIDE) & (abs(K - P.rise) <= _ROUNDING * P.size)
+    lost = (d < _BESIDE) & (A[_BENDS + i] > 0.0) & (abs(K - P.rise) <= _ROUNDING * P.size)
     A[_K + i] = K + d * (A[_RISES + i] + 0.5 * d * A[_BENDS + i]) if lost else K - P.rise
     A[_SLOPE + i], A[_BEND + i] = slope if inward else -slope, -bend
     A[_R + i], A[_Q + i], A[_RATIO + i], A[_SIGMA4 + i] = P.r, P.q, P.ratio, P.sigma4

@@ -94,7 +94,6 @@ def test_a_motion_that_rounding_moves_too_far_has_no_numbers_and_says_why():
         (lambda: wander_path(start(UNIFORM, [1.0, 1.1], 0.01), 3), "2 were given"),
         (lambda: wander_path(start(UNIFORM, 1.0, 0.01), 0), "count = 0"),
         (lambda: wander_path(start(UNIFORM, 1.0, 0.0), 3), "no period"),
-        (lambda: wander_path(start(ex.Disk(I1=0.25, I3=1e-5), 1.0, 1e-3, 0.7), 50), "no path"),
     ],
 )
 def test_bad_input_gets_a_sentence(call, says):
