@@ -87,6 +87,7 @@ class Exact(NamedTuple):
         when = np.ascontiguousarray(times), np.ascontiguousarray(lows)
         compiled.motions.motion_batch(rises, *when, self.path, self.disk.arc_disk, period, out)
         states, (raced, angle, path) = np.moveaxis(out[..., :10], -1, 0), np.moveaxis(out[..., 10:], -1, 0)
+        states += 0.0  # of what is seen in a mirror, -0
         states[compiled.field.ROW.chi] += self.chi0[:, None]
         sine, cosine = np.sin(self.chi0)[:, None], np.cos(self.chi0)[:, None]
         for a1, a2 in (states[8:], period[3:5, :, None]):

@@ -143,8 +143,8 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
     number = np.select(where, [0, 3, 2, 1], np.where(slow.there & (off > 0.0), 3, 0))
     # A pendulum's side is that of eta on face +1; on the other one eta has the other sign.
     jump = np.where(pendulum, own * jump, jump)
-    # The height of a state is known by its distance from turning points, its speed to rounding. A race soon ends, so
-    # that no motion goes on as in one; but a small nutation about a steady motion may be as fast.
+    # The height of a state is known by its distance from turning points, its speed to rounding. A race ends soon:
+    # no motion goes on as in one; but a small nutation about a steady motion may be as fast.
     turn, unsure = rows.rho / rows.q, _ROUNDING * disk.body.M * rows.p**2
     lasting = (way < _NARROW) | (abs(turn) <= compiled.motions.FAST)
     rates = turn * lasting, own * (rows.z * turn - rows.sigma4) * lasting, own * rows.sigma4

@@ -280,7 +280,7 @@ def simulate(
     >>> states = ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, 1.0, 0.7)
     >>> motion = ex.simulate(states, t_end=4.0)
     >>> bool(abs(np.diff(motion.chi)).max() < 0.2), motion([2.0, 4.0, 1e6]).phi.round(4)
-    (True, array([0.2749, 0.5152, 0.1788]))
+    (True, array([0.2749, 0.5152, 0.2317]))
     """
     require_states(states)
     names = tuple(one_of("observable", name, (*OTHERS, *ALL)) for name in words("observables", observables))

@@ -106,7 +106,7 @@ def wander(states: States) -> Wander:
     require_axial_inertia(require_states(states).disk)
     each, code = simulate(states, t_eval=[0.0], observables=("path",)), compiled.status.Status
     status = np.where(each.ok & np.isnan(each.turn), code.TOO_FEW_DIGITS, each.status).astype(np.int8)[()]
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):
         radius = np.hypot(each.shift[..., 0], each.shift[..., 1]) / (2.0 * abs(np.sin(0.5 * each.turn)))
     return Wander(each.period, each.turn, each.shift, radius, status, states)
 
