@@ -182,8 +182,8 @@ def push_forward(
     Raises
     ------
     InputError
-        If `energy` does not exceed that of an upright disk at rest, or if rounding leaves unknown where motions are at
-        `time`.
+        If `energy` does not exceed that of an upright disk at rest, or if rounding leaves unknown where motions
+        are at `time`.
 
     Examples
     --------

@@ -100,9 +100,9 @@ class Trajectories(WithStatus):
     >>> motion = ex.simulate(ex.constants_to_states(ex.Disk.uniform(), 1.0, [0.1, 1e-12], 1.0), t_end=3.0)
     >>> motion.chi.shape == motion.t.shape == (2, motion.lengths.max())
     True
-    >>> motion([0.0, 1.0]).phi.round(4)
-    array([[0.    , 1.3215],
-           [0.    , 1.3535]])
+    >>> motion([0.5, 1.0]).phi.round(4)
+    array([[0.5812, 1.3215],
+           [0.5909, 1.3535]])
     """
 
     t: Array

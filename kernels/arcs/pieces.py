@@ -444,7 +444,9 @@ def view_of(anchors: Vector, stretch: Stretch, number: int, rates: Rates, unsure
     sign, inv = 1.0 if number % 2 == 0 else -1.0, 1.0 / (1.0 + near.r * near.r)
     q, inward = 2.0 * near.r * inv, sign * near.face < 0.0
     slope, _bend = slope_and_bend(q, near.w * inv, near.sigma3 / q, near.sigma4, b)
-    return View(near, beyond, stretch, sign, inward, near.K == 0.0, slope if inward else -slope, rates, unsure)
+    steep, turns = slope if inward else -slope, near.K == 0.0
+    # From a turning point K grows, whatever rounding says of the slope at one on a crest.
+    return View(near, beyond, stretch, sign, inward, turns, abs(steep) if turns else steep, rates, unsure)
 
 
 @subroutine
