@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     from kernels import status as status
     from kernels import types as types
     from kernels._jit import Kernel
+    from kernels.arcs import motions as motions
     from kernels.arcs import nutation as nutation
+    from kernels.arcs import pieces as pieces
     from kernels.arcs import potential as potential
     from kernels.arcs import rules as rules
     from kernels.arcs import turning_points as turning_points
@@ -41,7 +43,6 @@ if TYPE_CHECKING:
     from kernels.near_flat import passages as passages
     from kernels.near_flat import tables as tables
     from kernels.steps import attempt as attempt
-    from kernels.steps import curves as curves
     from kernels.steps import engine as engine
     from kernels.steps import events as events
     from kernels.steps import variation as variation

@@ -97,12 +97,9 @@ class Motions:
             [each.exact.ok & known for each, known in zip(self.samples, slow, strict=True)]
         )
 
-    def follow(self, states, times, **how):
-        return ex.simulate(states, t_eval=times, **how)
-
     def share(self, method, accuracy):
         how = {"observables": IN_TIME, "method": method, "accuracy": accuracy}
-        found = [self.follow(each.states, each.times, **how) for each in self.samples]
+        found = [ex.simulate(each.states, t_eval=each.times, **how) for each in self.samples]
         tried = [each.compare(made) for each, made in zip(self.samples, found, strict=True)]
         errors, wrong_way = (np.concatenate([getattr(t, name) for t in tried]) for name in ("errors", "wrong_way"))
         estimates, ok = (np.concatenate([getattr(m, name) for m in found]) for name in ("error_estimate", "ok"))
@@ -110,10 +107,7 @@ class Motions:
         return share_of(accuracy, *(column[self.known] for column in columns))
 
 
-class Curves(Motions):
-    """Motions as `ex.simulate` records them where no times are given: the largest error on the way."""
+class Ways(Motions):
+    """The same at times all along the way: the largest error of these."""
 
-    at_once, shares = 20, np.arange(1, 17) / 16  # curves of more motions take too much memory
-
-    def follow(self, states, times, **how):
-        return ex.simulate(states, times[-1], **how)(times)
+    at_once, shares = 20, np.arange(1, 17) / 16

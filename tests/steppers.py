@@ -9,7 +9,6 @@ from kernels.disk.field import State
 from kernels.status import Status
 from kernels.steps import attempt, engine
 from kernels.steps.adaptive import dopri5_step
-from kernels.steps.curves import COLUMNS, History
 from kernels.steps.eighth import eighth_order_step
 from kernels.steps.events import TURNING_POINT
 from kernels.steps.fixed import rk4_step
@@ -74,8 +73,7 @@ def follow(method, depth, states, control, event=TURNING_POINT, values=(0.0,), l
         np.zeros(n, np.int32),
         np.full((3, n), np.nan),
     )
-    no_history = History(0.0, 0.0, np.empty((0, COLUMNS)), np.zeros(1, np.int64), 0)
-    engine.FOLLOW[method, depth](work, no_history, UNIFORM.natural)
+    engine.FOLLOW[method, depth](work, UNIFORM.natural)
     return work
 
 

@@ -12,23 +12,21 @@ from tools.peers.problem import DISK
 from explorer import compiled
 
 ROOT = Path(__file__).parents[1]
-LONG = 1e6  # so that neither the angle nor the time shortens a step
+LONG = 1e6  # so that the time does not shorten a step
+STEPS = 64
 
 
 def recorded(method, control):
     """(states (8, n) before each step, states after it, steps (n)) of our kernel, one motion that runs free."""
-    x = np.zeros((10, 1))
-    x[:5, 0] = 1.0, 0.0, -1.0, 1.0, 0.65
-    curves, engine = compiled.curves, compiled.engine
-    free, out, status = np.full((3, 1), np.nan), np.empty((1, 1, 10)), np.zeros(1, np.int8)
-    work = engine.Work(
-        *(method, 10_000, compiled.events.TIME, np.array([12.0]), np.full(1, control), x, free),
-        *(status, out, np.zeros(1, np.int32), np.empty((3, 1))),
-    )
-    history = curves.History(LONG, LONG, np.empty((4096, 12)), np.zeros(1, np.int64), 4096)
-    engine.FOLLOW[method, 8](work, history, DISK.natural)
-    rows = history.rows[: history.used[0]]
-    return rows[:-1, :8].T, rows[1:, :8].T, rows[:-1, 10]
+    body, x = DISK.natural.body, compiled.field.reduced_state(1.0, 0.0, -1.0, 1.0, 0.65)
+    unit, attempt = compiled.field.pace(x, body), compiled.engine.at_depth(method, 8)
+    control, length = compiled.attempt.first_step(method, control, unit)
+    states = [x]
+    for _ in range(STEPS):
+        x, _accepted, _following = attempt(x, length, control, unit, body)
+        states.append(x)
+    rows = np.array(states)[:, :8]
+    return rows[:-1].T, rows[1:].T, np.full(STEPS, length)
 
 
 @pytest.mark.skipif(cpp.compiler() is None, reason=cpp.NO_COMPILER)

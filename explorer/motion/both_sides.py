@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from explorer.errors import positive, sign
-from explorer.motion.limit_motions import LimitMotion, LimitState, limit_motion
-from explorer.motion.trajectories import simulate
+from explorer.motion.limit_motions import LimitMotion, limit_motion
+from explorer.motion.trajectories import Trajectories, simulate
 from explorer.phase.constants import constants
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import Disk
@@ -57,7 +57,7 @@ class BothSides:
         Times at which the limits come flat.
     motions : dict of int to dict of str to array
         By the side, +1 and -1: phi, chi, psi (nt), path and contact (nt, 3).
-    limits : dict of int to LimitState
+    limits : dict of int to Trajectories
         By the side: the limit motion at t.
 
     Examples
@@ -73,7 +73,7 @@ class BothSides:
     t: Array
     impacts: Array
     motions: dict[int, dict[str, Array]]
-    limits: dict[int, LimitState]
+    limits: dict[int, Trajectories]
 
     def __repr__(self) -> str:
         impacts = ", ".join(f"{time:.6g}" for time in self.impacts)

@@ -62,12 +62,7 @@ class Integrated(NamedTuple):
     moved: Array
 
 
-def follow(
-    given: InitialValues,
-    event: compiled.events.Event,
-    values: Array,
-    history: compiled.curves.History | None = None,
-) -> Integrated:
+def follow(given: InitialValues, event: compiled.events.Event, values: Array) -> Integrated:
     """Follow motions until the event has taken all of the values, in their order."""
     n, disk, how = given.status.size, given.disk, given.plan
     held = np.stack(given.motion[:3])
@@ -79,8 +74,7 @@ def follow(
         *(how.kernel_method, given.max_steps, event, values, given.control, given.initial, held),
         *(found.status, found.out, steps, moved),
     )
-    history = history or compiled.curves.History(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)
-    run = partial(compiled.engine.FOLLOW[how.kernel_method, how.kernel_depth], work, history, disk.natural)
+    run = partial(compiled.engine.FOLLOW[how.kernel_method, how.kernel_depth], work, disk.natural)
     # A kernel ends motions whose status somebody else changes: by that it ends where nobody waits for it.
     attended(run, partial(found.status.fill, compiled.status.Status.STEP_LIMIT))
     found.out[found.status != compiled.status.Status.OK] = np.nan

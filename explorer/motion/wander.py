@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, number, whole
-from explorer.motion.periods import periods
 from explorer.motion.trajectories import simulate
 from explorer.phase.arguments import read_pair
 from explorer.phase.coordinates import constants_to_states
@@ -20,8 +19,6 @@ from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import Result, require_ok
 from explorer.phase.states import Array, States, require_states
 
-# Errors of chi per period add up over the periods of a path: 1e-9 leaves 1e-5 rad after the most of them.
-_ACCURACY = 1e-9
 _MOST_PERIODS = 10_000
 _MOST_STEPS = 10_000_000  # of all motions together: a complex number each
 _MOST_TURNS = 1_000_000  # of chi in a period, far beyond any body's race
@@ -43,8 +40,7 @@ class Wander(Result):
         Radius of the circle on which the centre lies after each period, |step|/(2 |sin(chi/2)|); infinite at a
         resonance.
     status : array of int8
-        `Status` of each motion: that of its period or, if that is OK, that of its integration. Where it is not OK,
-        the other columns are NaN.
+        `Status` of each motion. Where it is not OK, the other columns are NaN.
     states : States
         The states; `to_pandas` and `to_arrow` have their phi, phidot, sigma3 and sigma4 as columns.
 
@@ -89,7 +85,7 @@ def wander(states: States) -> Wander:
     Returns
     -------
     Wander
-        Period and chi are by quadrature, eqs (3.12), (3.13), the step by integration of (2.33).
+        Period, chi and step are those of the exact motion, eqs (3.12), (3.13) and (2.33).
 
     Raises
     ------
@@ -108,17 +104,11 @@ def wander(states: States) -> Wander:
     (True, array([0, 0], dtype=int8))
     """
     require_axial_inertia(require_states(states).disk)
-    each = periods(states.flat, accuracy=_ACCURACY)
-    shift, status = np.full((states.size, 3), np.nan), each.status.copy()
-    for row in np.flatnonzero(each.ok).tolist():
-        moved = simulate(states.flat[row], t_eval=each.period[row], observables=("path",), accuracy=_ACCURACY)
-        assert moved.path is not None
-        shift[row], status[row] = (*moved.path[0, :2], 0.0), moved.status
-    followed = status == compiled.status.Status.OK
-    period, chi = (np.where(followed, values, np.nan) for values in (each.period, each.chi))
-    with np.errstate(divide="ignore"):
-        radius = np.hypot(*shift.T[:2]) / (2.0 * abs(np.sin(0.5 * chi)))
-    return Wander(period, chi, shift, radius, status, states).reshaped(states.shape)
+    each, code = simulate(states, t_eval=[0.0], observables=("path",)), compiled.status.Status
+    status = np.where(each.ok & np.isnan(each.turn), code.TOO_FEW_DIGITS, each.status).astype(np.int8)[()]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        radius = np.hypot(each.shift[..., 0], each.shift[..., 1]) / (2.0 * abs(np.sin(0.5 * each.turn)))
+    return Wander(each.period, each.turn, each.shift, radius, status, states)
 
 
 def resonance(
@@ -160,9 +150,11 @@ def resonance(
     from scipy.optimize import brentq
 
     def excess(sigma3_bar: float) -> float:
-        period = periods(constants_to_states(disk, sigma3_bar, eta_hat, phidot), accuracy=_ACCURACY)
-        require_ok(period, f"between: no period at sigma3_bar = {sigma3_bar:g}; give another range")
-        return float(period.chi) / (2.0 * math.pi) - whole_turns
+        motion = simulate(
+            constants_to_states(disk, sigma3_bar, eta_hat, phidot), t_eval=[0.0], observables=("chi",)
+        )
+        require_ok(motion, f"between: no period at sigma3_bar = {sigma3_bar:g}; give another range")
+        return float(motion.turn) / (2.0 * math.pi) - whole_turns
 
     require_axial_inertia(disk)
     eta_hat, phidot = number("eta_hat", eta_hat), number("phidot", phidot)
@@ -212,7 +204,7 @@ class WanderPath:
 
 
 def wander_path(states: States, count: int) -> WanderPath:
-    """Follow one motion over whole periods by integration, at times that are dense where the contact point races.
+    """One motion over whole periods, at times that are dense where the contact point races.
 
     Parameters
     ----------
@@ -228,7 +220,7 @@ def wander_path(states: States, count: int) -> WanderPath:
     Raises
     ------
     InputError
-        For several states, and for a state that has no period or whose path cannot be integrated.
+        For several states, and for a state that has no period.
 
     Examples
     --------
@@ -244,12 +236,9 @@ def wander_path(states: States, count: int) -> WanderPath:
     count = whole("count", count, 1, _MOST_PERIODS)
     one = states.reshaped(())
     each = wander(one)
-    require_ok(each, "states: no period, or no path")
+    require_ok(each, "states: no period")
     rounds = float(each.period) * np.arange(count + 1)
-    course = simulate(one, rounds[-1], observables=("path", "contact"), accuracy=_ACCURACY)
-    require_ok(course, "states: no path")
+    course = simulate(one, rounds[-1], observables=("path", "contact"))
     t = np.union1d(course.t, rounds)
     at = course(t)
-    assert at.path is not None
-    assert at.contact is not None
     return WanderPath(states.disk, t, at.contact[:, :2], at.path[:, :2], each, count)

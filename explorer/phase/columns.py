@@ -123,8 +123,6 @@ COLUMNS = {
     "radius": Column("Of the circle of the contact point, or of the centre after whole periods.", LENGTH),
     "shift": Column("Shift of the centre over the table in a period, if chi = 0 at its start.", LENGTH, "(2.33)"),
     "excess": Column("Energy of a motion that rocks near flat; 1 at the bottom of the well."),
-    "velocity": Column("Velocity of the centre of mass.", "length/time", "(2.33)"),
-    "nu": Column("Angular velocity in space.", RATE, "(2.27), (2.29)"),
     # how likely it is
     "value": Column("The constant C of P(theta_min < delta) = C delta, for a tilt delta in rad."),
     "error": Column("Estimate of the absolute error of value."),

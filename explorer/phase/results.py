@@ -130,8 +130,8 @@ class WithStatus(Shaped):
 
 def count_status(status: NDArray[np.int8]) -> dict[str, int]:
     """Number of samples that ended in each status, for those that occur; names in lower case."""
-    counts = np.bincount(status, minlength=len(Status)).tolist()
-    return {name: count for name, count in zip(_NAMES, counts, strict=True) if count}
+    codes, counts = np.unique(status, return_counts=True)
+    return {Status(code).name.lower(): count for code, count in zip(codes.tolist(), counts.tolist(), strict=True)}
 
 
 def require_ok(found: WithStatus, what: str) -> None:

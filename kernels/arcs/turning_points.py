@@ -42,6 +42,7 @@ _LEAST_STEP = 2.0 * EPSILON  # of a distance: no step is shorter
 _ALMOST = 1e-12  # of a distance: the next step is at rounding
 _DEEPEST = 745.0  # in x, below the vertical: tan(theta/2) is the smallest number there
 _STEPS = 400 + int(_DEEPEST / REACH)  # sixteen for each decade of closeness to a crest, and those of the whole way
+_BESIDE = 1e-13  # in x: so near to a start on a crest K is as its derivatives say there; rounding loses it
 _FLAT = 60.0  # from the vertical: V on F is that at flat
 _LEAST = 1e-300  # what is never 0
 _ROUNDING = 4.0 * EPSILON  # of K, for each unit of what it was summed from
@@ -49,8 +50,8 @@ _ROUNDING = 4.0 * EPSILON  # of K, for each unit of what it was summed from
 _OPEN, _NEAR, _IN_DEPTH, _FOUND, _FOUND_DEEP = 0.0, 1.0, 2.0, 3.0, 4.0
 (
     _X, _Y, _MOVING, _D, _K, _SLOPE, _BEND, _R, _Q, _RATIO, _SIGMA4, _BEFORE, _K_BEFORE, _FALLING, _CREST, _STATE,
-    _CROSSES, _ENERGY, _UPRIGHT, _LOW, _HIGH, _PLACE,
-) = range(END_ROWS, END_ROWS + 22 * LANES, LANES)  # fmt: skip
+    _CROSSES, _ENERGY, _UPRIGHT, _LOW, _HIGH, _RISES, _BENDS, _PLACE,
+) = range(END_ROWS, END_ROWS + 24 * LANES, LANES)  # fmt: skip
 
 
 class Starts(NamedTuple):
@@ -135,9 +136,12 @@ def point_of(A: Vector, i: int, d: float, inward: bool, b: Body) -> Point:
 @device
 def stand(A: Vector, i: int, inward: bool, b: Body) -> None:
     """K, its derivatives along the way and what bounds V'' at the distance of lane i."""
-    P = point_of(A, i, A[_D + i], inward, b)
+    d, K = A[_D + i], A[_MOVING + i]
+    P = point_of(A, i, d, inward, b)
     slope, bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
-    A[_K + i], A[_SLOPE + i], A[_BEND + i] = A[_MOVING + i] - P.rise, slope if inward else -slope, -bend
+    lost = (d < _BESIDE) & (A[_BENDS + i] > 0.0) & (abs(K - P.rise) <= _ROUNDING * P.size)
+    A[_K + i] = K + d * (A[_RISES + i] + 0.5 * d * A[_BENDS + i]) if lost else K - P.rise
+    A[_SLOPE + i], A[_BEND + i] = slope if inward else -slope, -bend
     A[_R + i], A[_Q + i], A[_RATIO + i], A[_SIGMA4 + i] = P.r, P.q, P.ratio, P.sigma4
 
 
@@ -149,6 +153,7 @@ def begin(A: Vector, inward: bool, b: Body) -> None:
         slope, bend = slope_and_bend(end.q, end.w * end.inv, end.ratio, end.sigma4, b)
         A[_D + i] = A[_BEFORE + i] = A[_K_BEFORE + i] = A[_FALLING + i] = A[_CROSSES + i] = 0.0
         A[_K + i], A[_SLOPE + i], A[_BEND + i] = A[_MOVING + i], slope if inward else -slope, -bend
+        A[_RISES + i], A[_BENDS + i] = A[_SLOPE + i], -bend
         A[_R + i], A[_Q + i], A[_RATIO + i], A[_SIGMA4 + i] = end.r, end.q, end.ratio, end.sigma4
         A[_CREST + i], A[_STATE + i] = math.nan, _OPEN
         A[_ENERGY + i] = A[_MOVING + i] + potential(end.q, end.ratio, end.sigma4, b)

@@ -15,7 +15,6 @@ from kernels.disk.field import ANGLES, PATH, REDUCED, State, column, energy, pac
 from kernels.status import Status
 from kernels.steps import lanes
 from kernels.steps.attempt import ATTEMPTS, NAMES, first_step, to_depth
-from kernels.steps.curves import History, keep, shorten
 from kernels.steps.events import Event, Stop, crossed, first_guess, level, locate, settle
 from kernels.steps.lanes import BEFORE, BROKEN, HIT, LANES, NOTHING, NOW, STUCK, idle, onto_circle, read, write
 from kernels.types import Codes, Counts, Matrix, Table, Vector
@@ -188,25 +187,18 @@ def make_lanes() -> Vector:
 
 
 @device
-def follow(
-    attempt: Any, depth: int, work: Work, history: History, room: tuple[Vector, Vector], disk: NaturalDisk
-) -> None:
-    """Follow every motion to all of the values, by steps of `attempt`, which the history keeps.
+def follow(attempt: Any, depth: int, work: Work, room: tuple[Vector, Vector], disk: NaturalDisk) -> None:
+    """Follow every motion to all of the values, by steps of `attempt`.
 
-    Where there is one and it is cut off, the outcome means nothing. room: lanes for those under way, and for
-    those whose event is being located.
+    room: lanes for those under way, and for those whose event is being located.
     """
     (W, arrived), b = room, disk.body
     sweeps = waiting = 0
     place = fill(work, W, Progress(0, 0, 0), 0, b)
     while place.busy > 0:
-        if history.most > 0:
-            shorten(history, W, b)
         attention = lanes.sweep(attempt, W, work.event, b)
         sweeps += 1
         lanes.hold(W, disk)
-        if history.most > 0 and keep(history, W) >= history.most:
-            return
         if attention > 0 or sweeps >= place.due:
             waiting = collect(work, W, arrived, waiting)
             while waiting == LANES:
@@ -231,9 +223,9 @@ def at_depth(method: int, depth: int) -> Any:
 def _kernel(method: int, depth: int, name: str) -> Kernel:
     attempt = at_depth(method, depth)
 
-    def run(work: Work, history: History, disk: NaturalDisk) -> None:
+    def run(work: Work, disk: NaturalDisk) -> None:
         """Follow every motion by one method at one depth."""
-        follow(attempt, depth, work, history, (make_lanes(), make_lanes()), disk)
+        follow(attempt, depth, work, (make_lanes(), make_lanes()), disk)
 
     run.__name__ = run.__qualname__ = name
     return kernel(run)

@@ -47,6 +47,9 @@ OF_STATES = {
     "simulate at times": (lambda states: ex.simulate(states, t_eval=[0.0, 0.5], observables=EVERY), ()),
     "motions at a time": (lambda states: ex.simulate(states, 2.0, observables=EVERY)(1.0), ()),
     "motions at times": (lambda states: ex.simulate(states, 2.0, observables=EVERY)([[0.1], [1.0]]), ()),
+    "motions since the lowest": (lambda states: ex.simulate(states, 2.0)([-0.1, 0.1], since="lowest"), ()),
+    "simulate by rk8": (lambda states: ex.simulate(states, t_eval=[0.0, 0.5], method="rk8"), ()),
+    "motions by rk8": (lambda states: ex.simulate(states, t_eval=[0.5], method="rk8", observables=EVERY)(0.3), ()),
 }
 EVERY = "phi", "tilt", "phidot", "sigma3", "sigma4", "chi", "psi", "path", "contact"
 # Calls of arguments that broadcast; each takes two.
@@ -61,9 +64,7 @@ OF_ARGUMENTS = {
     "rates_to_states": lambda a, b: ex.rates_to_states(UNIFORM, a, 0.0, b, 0.5),
     "constants_to_states": lambda a, b: ex.constants_to_states(UNIFORM, b, a, 1.0),
     "coordinates_to_states": lambda a, b: ex.coordinates_to_states(UNIFORM, phi=a, phidot=1.0, sigma3=b, sigma4=0),
-    "limit motion": lambda a, b: LIMIT(a + b),
 }
-LIMIT = ex.limit_motion(ex.constants_to_states(UNIFORM, 1.0, 0.0, 1.0))
 
 
 def arrays_of(found):
@@ -192,12 +193,30 @@ def test_results_with_axes_of_their_own_are_indexed_over_these_too():
     assert found[0, 1, 2].time == found.time[0, 1, 2]
 
 
-def test_chosen_motions_can_be_called_and_chosen_again():
-    motion = ex.simulate(states_of((2, 3)), 3.0)
+@pytest.mark.parametrize("how", [{"t_end": 3.0}, {"t_eval": [3.0], "method": "rk8"}])
+def test_chosen_motions_can_be_called_and_chosen_again(how):
+    motion = ex.simulate(states_of((2, 3)), **how)
     assert motion[1]([0.5, 2.0]).phi.shape == (3, 2)
     np.testing.assert_array_equal(motion[1][2](2.0).chi, motion(2.0).chi[1, 2])
     np.testing.assert_array_equal(motion[:, ::2](2.0).path, motion(2.0).path[:, ::2])
     assert motion(2.0)[0, 1].phi == motion(2.0).phi[0, 1]
+
+
+@pytest.mark.filterwarnings("ignore::explorer.errors.CoarseTimesWarning")
+def test_each_motion_may_have_times_of_its_own_in_the_shape_of_the_states():
+    states = states_of((2, 3))
+    times = np.linspace(-3.0, 3.0, 24).reshape(2, 3, 4)
+    found = ex.simulate(states, t_eval=times, observables=EVERY)
+    np.testing.assert_array_equal(found.t, times)
+    for place in np.ndindex(2, 3):
+        alone = ex.simulate(states[place], t_eval=times[place], observables=EVERY)
+        for name in EVERY:
+            np.testing.assert_array_equal(getattr(found, name)[place], getattr(alone, name))
+    for wrong in (times[0], times.reshape(3, 2, 4)):
+        with pytest.raises(ex.InputError, match="t_eval: has the shape"):
+            ex.simulate(states, t_eval=wrong)
+    with pytest.raises(ex.InputError, match="exact motions, of method auto, may have times of their own"):
+        ex.simulate(states, t_eval=abs(times), method="rk8")
 
 
 @pytest.mark.parametrize("phi", [0.2, [0.2], [[0.1, 0.2], [0.3, 0.4]], []])

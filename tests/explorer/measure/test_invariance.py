@@ -67,12 +67,10 @@ def test_bad_input_is_named():
         ex.flow_stretch(ex.phi_to_states(disk, 0.0, 1.0, 1.0, 1.0), steps=0)
 
 
-def test_the_steps_of_all_motions_are_bounded(monkeypatch):
-    """Motions that need more count as failed; where none arrives there is nothing to compare."""
+def test_motions_are_pushed_forward_over_any_time_at_which_they_are_known():
     disk = BODIES["uniform"]
-    monkeypatch.setattr(invariance, "_STEPS_IN_ALL", 60 * 2000)
-    some = ex.push_forward(disk, 4.0, 2000)
-    assert 0 < some.failed < 2000
-    assert some.pushed.shape[1] == 2000 - some.failed
-    with pytest.raises(ex.InputError, match="no motion reached it in 60 steps; give a shorter time"):
-        ex.push_forward(disk, 1e4, 2000)
+    late = ex.push_forward(disk, 1e4, 2000)
+    assert late.failed == 0
+    assert late.p_value > 1e-3
+    with pytest.raises(ex.InputError, match="give a shorter time"):
+        ex.push_forward(disk, 1e20, 2000)

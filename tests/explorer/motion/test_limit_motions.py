@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from conftest import BODIES
 from motions import trajectories
+from moving import nu, velocity
 from passing import start_on_f
 
 import explorer as ex
@@ -89,9 +90,9 @@ def test_the_two_limits_coincide_for_the_matching_body_and_only_for_it(paper_bod
 
 
 def test_every_bounce_turns_and_moves_the_picture_alike(paper_body):
-    """By chi_per_period, a whole turn for the matching body; also after a million of them."""
+    """By chi_per_period, a whole turn for the matching body; also before the start, and after a million."""
     limit = limit_motion(start_on_f(paper_body, 1), 1)
-    first = np.array([0, 1, 2, 3, 4, 10**6, 10**6 + 1, 10**6 + 2])
+    first = np.array([-2, -1, 0, 1, 2, 10**6, 10**6 + 1, 10**6 + 2])
     steps = np.diff(limit(0.3 + limit.period * first).path @ [1.0, 1.0j, 0.0])
     assert steps[1:4] / steps[:3] == pytest.approx(np.exp(1j * limit.chi_per_period), abs=1e-12)
     assert steps[6] / steps[5] == pytest.approx(np.exp(1j * limit.chi_per_period), abs=1e-6)
@@ -164,10 +165,23 @@ def test_states_without_a_limit_motion_are_refused_in_words(state, sign, message
         limit_motion(ex.phi_to_states(BODIES["uniform"], *state), sign)
 
 
-def test_times_before_the_start_are_refused():
-    limit = limit_motion(start_on_f(BODIES["uniform"], 1), 1)
-    with pytest.raises(ex.InputError, match="times"):
-        limit(-1.0)
+@pytest.mark.parametrize("face", [1, -1])
+@pytest.mark.parametrize("side", [1, -1])
+def test_before_the_start_a_limit_motion_is_that_of_the_reversed_state(body, face, side):
+    """Eq. (3.12): with the signs of phidot and time changed, chi and psi turn back, mirrored at the start."""
+    unit = body.rate_unit
+    there, back = (
+        limit_motion(ex.constants_to_states(body, 0.8 * unit, 0.0, 1.3 * unit * way, face), side)
+        for way in (1, -1)
+    )
+    times = np.linspace(0.01, 9.0, 50) * body.time_unit
+    before, after = there(-times), back(times)
+    for name, way in (("phi", 1), ("phidot", -1), ("sigma3", 1), ("sigma4", 1)):
+        np.testing.assert_allclose(getattr(before, name), way * getattr(after, name), atol=1e-11 * unit)
+    # The picture of an upright start is mirrored in the line through both points of contact.
+    for name in ("chi", "psi"):
+        np.testing.assert_allclose(getattr(before, name), -getattr(after, name), atol=1e-11)
+    np.testing.assert_allclose(before.path, after.path * [1.0, -1.0, 1.0], atol=1e-11 * body.r)
 
 
 @pytest.mark.parametrize("face", [1, -1])
@@ -187,10 +201,10 @@ def test_limits_at_the_impact_are_those_of_sections_6_and_7(name, face):
         assert float(before.phidot) == pytest.approx(face * A, abs=1e-9)
         assert float(after.phidot) == pytest.approx(-face * A, abs=1e-9)
         want = (
-            (before.nu, (face * A * np.sin(down), -face * A * np.cos(down), B)),
-            (after.nu, (-face * A * np.sin(up), face * A * np.cos(up), B)),
-            (before.velocity, (face * B * np.sin(down), -face * B * np.cos(down), -A)),
-            (after.velocity, (face * B * np.sin(up), -face * B * np.cos(up), A)),
+            (nu(before), (face * A * np.sin(down), -face * A * np.cos(down), B)),
+            (nu(after), (-face * A * np.sin(up), face * A * np.cos(up), B)),
+            (velocity(before), (face * B * np.sin(down), -face * B * np.cos(down), -A)),
+            (velocity(after), (face * B * np.sin(up), -face * B * np.cos(up), A)),
         )
         for got, expected in want:
             np.testing.assert_allclose(got, expected, atol=1e-9)
@@ -223,16 +237,24 @@ def test_the_smallest_numbers_that_are_not_zero_have_a_limit_motion_too(sigma3_b
     assert np.isfinite(tiny([0.5, 2.0, 9.0]).chi).all()
 
 
-def test_times_beyond_all_digits_are_refused():
+def test_times_beyond_all_digits_have_no_answer_and_say_so():
     limit = limit_motion(start_on_f(BODIES["uniform"], 1), 1)
-    for late in (1e300, np.inf, np.nan, -1.0):
-        with pytest.raises(ex.InputError, match="give times from 0 to"):
-            limit(late)
+    for late in (1e300, -1e300):
+        found = limit(late)
+        assert found.status == ex.Status.TOO_FEW_DIGITS
+        assert np.isnan(found.phi)
+    for never in (np.inf, np.nan):
+        with pytest.raises(ex.InputError, match="times must be finite"):
+            limit(never)
 
 
-def test_at_one_time_as_at_several_a_limit_motion_has_all_its_columns():
-    limit = limit_motion(start_on_f(ex.Disk.uniform(), 1))
-    assert list(limit(0.5).to_pandas()) == list(limit([0.5]).to_pandas())
+@pytest.mark.parametrize("t", [0.5, [0.5], [[0.1, 0.2, 0.3]], []])
+def test_a_limit_motion_has_all_observables_in_the_shape_of_the_times(t):
+    found = limit_motion(start_on_f(ex.Disk.uniform(), 1))(t)
+    for name in ("t", "phi", "tilt", "phidot", "sigma3", "sigma4", "chi", "psi"):
+        assert getattr(found, name).shape == np.shape(t)
+    for name in ("path", "contact"):
+        assert getattr(found, name).shape == (*np.shape(t), 3)
 
 
 @pytest.mark.filterwarnings("error")

@@ -21,7 +21,8 @@ def test_constants_stay_bounded_and_angles_drift_in_proportion(accuracy):
     whole, first = ex.periods(start, accuracy=1e-11), ex.constants(start)
     observables = ("phi", "phidot", "sigma3", "sigma4", "chi")
     times = counts * whole.period
-    motion = trajectories(start, None, times, observables=observables, accuracy=accuracy, max_steps=10**7)
+    how = {"observables": observables, "method": "dop853", "accuracy": accuracy, "max_steps": 10**7}
+    motion = trajectories(start, None, times, **how)
     *state, chi = (getattr(motion, name) for name in observables)
     now = ex.constants(ex.phi_to_states(COIN, *state))
     assert max(abs(getattr(now, name) / getattr(first, name) - 1.0).max() for name in NAMES) < accuracy

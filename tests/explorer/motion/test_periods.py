@@ -41,6 +41,7 @@ def test_periods_without_crossing_the_vertical_bring_the_motion_back():
             ex.phi_to_states(disk, *states[i]),
             t_eval=[got.period[i]],
             observables=("phi", "phidot", "chi", "psi"),
+            method="dop853",
             accuracy=1e-10,
         )
         assert after.phi[0] == pytest.approx(states[i, 0], abs=1e-8)

@@ -101,7 +101,7 @@ def test_ctrl_c_is_answered_while_motions_are_followed_and_none_is_begun_any_mor
     """All of them would take a year."""
     states = ex.phi_to_states(DISK, 0.3, 1.0, 0.5, np.linspace(0.5, 1.0, 20_000))
     assert ex.simulate(states[:2], 1.0).ok.all()
-    asked = {"t_eval": [1e12], "observables": ["phidot"], "max_steps": 10**9}
+    asked = {"t_eval": [1e12], "observables": ["phidot"], "method": "dop853", "max_steps": 10**9}
     interrupted_in_kernels(lambda: ex.simulate(states, **asked, jobs=jobs))
     assert ex.simulate(states[:2], 1.0).ok.all()
 
@@ -112,7 +112,8 @@ def test_ctrl_c_ends_a_single_motion_of_very_many_steps(phidot):
     states = ex.phi_to_states(DISK, 0.3, phidot, 0.5, 0.7)
 
     def follow(max_steps):
-        return ex.simulate(states, t_eval=[1e12], observables=["phidot"], accuracy=1e-10, max_steps=max_steps)
+        how = {"method": "dop853", "accuracy": 1e-10, "max_steps": max_steps}
+        return ex.simulate(states, t_eval=[1e12], observables=["phidot"], **how)
 
     assert follow(10**3).status_names == "step_limit"
     some = cost(lambda: follow(10**6))

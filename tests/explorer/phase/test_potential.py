@@ -135,7 +135,7 @@ def test_a_motion_started_at_a_centre_stays_and_one_at_a_saddle_leaves():
     potential = ex.potential(UNIFORM, 0.25, 0.01)
     for at in potential.equilibria[:2]:
         run = ex.simulate(
-            ex.phi_to_states(UNIFORM, *state_at(potential, at.phi, 0.0)), 20.0, observables=("phi",), accuracy=1e-9
+            ex.phi_to_states(UNIFORM, *state_at(potential, at.phi, 0.0)), 20.0, observables=("phi",), accuracy=1e-3
         )
         away = abs(run.phi - at.phi)
         if at.kind == CENTRE:

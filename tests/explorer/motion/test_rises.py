@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from conftest import BODIES
 from motions import trajectories
+from moving import nu, velocity
 from passing import start_on_f
 from scipy.special import ellipkinc
 
@@ -84,8 +85,8 @@ def test_a_limit_motion_keeps_its_energy(body, sigma3_bar):
     limit = ex.limit_motion(states)
     here = limit(np.linspace(0.0, 2.0 * limit.period, 400))
     b, tilting = body.body, (here.phidot / unit) ** 2
-    moving = (here.velocity**2).sum(-1) / (body.r * unit) ** 2  # eq. (2.33): phidot^2 + sigma4^2
-    turning = (here.nu**2).sum(-1) / unit**2  # and (sigma3/q)^2 more
+    moving = (velocity(here) ** 2).sum(-1) / (body.r * unit) ** 2  # eq. (2.33): phidot^2 + sigma4^2
+    turning = (nu(here) ** 2).sum(-1) / unit**2  # and (sigma3/q)^2 more
     kinetic = b.M * tilting + b.I1 * (turning - moving) + b.J * (moving - tilting)
     energy = ex.constants(states).energy / body.energy_unit
     np.testing.assert_allclose(0.5 * kinetic + here.path[:, 2] / body.r, energy, rtol=1e-11)
@@ -99,9 +100,7 @@ def test_a_limit_motion_may_begin_anywhere_on_its_way(paper_body, phi, time):
     times = np.linspace(0.0, first.period, 20001)
     at = times[np.argmin(abs(first(times).phi - phi))]
     there = first(at)
-    sigma4 = np.sqrt((there.velocity**2).sum() - there.phidot**2)
-    turn = np.sqrt((there.nu**2).sum() - (there.velocity**2).sum())
-    states = ex.phi_to_states(paper_body, there.phi, there.phidot, turn * np.cos(there.phi), sigma4)
+    states = ex.phi_to_states(paper_body, there.phi, there.phidot, there.sigma3, there.sigma4)
     second = ex.limit_motion(states)
     assert second.period == pytest.approx(first.period, rel=1e-8)
     for name in ("phi", "phidot"):
