@@ -41,7 +41,7 @@ def sample_times(limit: LimitMotion) -> tuple[Array, int]:
     return times, int(np.searchsorted(times, middle))
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class BothSides:
     """The motions on both sides of a point of F, and their two limits, on one time axis, in the units of the disk.
 

@@ -170,7 +170,7 @@ def resonance(
     return root, constants_to_states(disk, root, eta_hat, phidot)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WanderPath:
     """The path of one motion over whole periods, units of the disk.
 
