@@ -182,10 +182,10 @@ def test_states_and_results_are_compared_as_objects_are():
     for found in (states, ex.periods(states), ex.scan(states, "energy"), branch):
         assert found == found
         assert found not in [states_of((3,)), ex.periods(states)]
+        assert len({found, found}) == 1
     one, on_f = (ex.constants_to_states(UNIFORM, 0.7, eta_hat, 1.0) for eta_hat in (0.05, 0.0))
     for call in (lambda: ex.wander_path(one, 1), lambda: ex.both_sides(on_f), lambda: ex.limit_motion(on_f)):
         assert call() != call()
-        assert len({found, found}) == 1
 
 
 def test_results_with_axes_of_their_own_are_indexed_over_these_too():
