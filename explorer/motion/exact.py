@@ -92,9 +92,9 @@ class Exact(NamedTuple):
         sine, cosine = np.sin(self.chi0)[:, None], np.cos(self.chi0)[:, None]
         for a1, a2 in (states[8:], period[3:5, :, None]):
             a1[:], a2[:] = cosine * a1 - sine * a2, sine * a1 + cosine * a2
-        error = np.fmax(angle, path if self.path else 0.0)
+        error = np.maximum(angle, path if self.path else 0.0)
         allowed = np.fmin(self.accuracy * np.fmax(1.0, abs(states[compiled.field.ROW.t]) / PASSAGE), LOOSEST)
-        known, found = (error <= allowed).all(axis=1), ~np.isnan(period[0])
+        known, found = (error <= allowed).all(axis=1), ~np.isnan(period[[0, 5]]).any(axis=0)
         status = np.where(known & found, code.OK, np.where(found, code.TOO_FEW_DIGITS, code.STEP_LIMIT))
         status = np.where(self.status == code.OK, status, self.status).astype(np.int8)
         # Inside a race an error of the time is a larger one of chi, and at most all of that race.

@@ -398,10 +398,11 @@ def put_motion(
     rises = abs(at_time.time) / rise.time + 1.0
     delay, clock = rises * errors.delay, rises * errors.time + errors.time_within
     clock += EPSILON * (abs(at_time.time) + abs(rise.since))
-    if at_time.passed == at_time.passed:  # beside a lower turning point series know the time relative to itself
-        delay, near = 2.0 * abs(at_time.passed) * errors.delay, at_time.passed == 0.0
-        clock = (TAILS * LEFT_OUT + EPSILON) * abs(at_time.since)
-        clock += 0.0 if near else 2.0 * abs(at_time.passed) * errors.time + errors.time_within
+    if (
+        at_time.passed == at_time.passed
+    ):  # since a lower turning point: there series know the time relative to itself
+        part = abs(at_time.since) / rise.time
+        delay, clock = part * errors.delay, part * errors.time + (TAILS * LEFT_OUT + EPSILON) * abs(at_time.since)
     chi_rate = at.ratio / max(at.q, SMALLEST)
     turned = abs(chi_rate - given.chi_rate) + abs(at.z * chi_rate - at.sigma4 - given.psi_rate)
     grown = math.exp(min(given.grows * abs(at_time.time), _MOST_GROWN))
