@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError
+from explorer.motion.error_estimates import PASSAGE
 from explorer.motion.orbits import WITH_PLACES
 from explorer.motion.plan import LOOSEST
 from explorer.motion.rises import rises_of
@@ -19,7 +20,6 @@ from explorer.phase.linear_constants import rows_of
 from explorer.phase.states import Array, Rows, States
 
 KERNELS = (*WITH_PLACES, "motions.motion_batch")  # for `compiled.warmup`
-PASSAGE = 2.0  # units of time that a passage takes: errors add up over them
 # Chords of such arcs of the rim stay within half a per cent of the radius; in such a time, in units of 1/speed, no
 # other angle changes by much more than as many radians.
 LONGEST_ANGLE, LONGEST_TIME = 0.2, 0.1
@@ -170,8 +170,8 @@ def _unfolded(points: Array, since: float, half: float, end: float) -> tuple[Arr
     """
     around = np.append(-points[:0:-1], points[:-1])
     last = int(np.floor(0.5 * (since + end) / half + 0.5))
-    numbers = np.repeat(np.arange(last + 2) - 1.0, around.size)
-    times = np.tile(around, last + 2)
+    numbers = np.repeat(np.arange(last + 1.0), around.size)
+    times = np.tile(around, last + 1)
     at = (times - since) + 2.0 * half * numbers
     inside = (at > 0.0) & (at < end)
     return np.append(np.append(0.0, times[inside]), end), np.append(np.append(np.nan, numbers[inside]), np.nan)

@@ -20,7 +20,6 @@ from explorer.phase.linear_constants import rows_of
 from explorer.phase.states import Array, Rows
 
 Place: TypeAlias = "compiled.turning_points.Place[Array]"
-_NARROW = 0.5  # in x: in so narrow a well K comes from V''
 # K at the vertical below which it is an anchor, and how far turning points must be from it: near one, what K is at
 # the vertical is known less well than from there.
 _SLOW = 0.3
@@ -111,7 +110,7 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
     coast_above = np.where(far_above, np.fmin(from_middle - ahead - last, 1e3), 0.0)
     lower = lower._replace(r=np.where(on_f, np.exp(ends - np.where(slow.there, down, last)), lower.r))
     upper = upper._replace(r=np.where(pendulum, np.exp(-of_middle - ahead), upper.r))
-    apart = np.where((way < _NARROW) & ~slow.there & ~(e.slowest < np.inf), way, 0.0)
+    apart = np.where((way < compiled.nutation.WIDEST) & ~slow.there & ~(e.slowest < np.inf), way, 0.0)
 
     mine, others = np.stack([X, Y, np.ones(n), loose]), np.stack([X, far_Y, -np.ones(n), far_loose])
     no, yes = np.zeros(n, np.bool_), np.ones(n, np.bool_)
@@ -146,7 +145,7 @@ def rises_of(disk: Disk, rows: Rows, m: ArcStarts, own: Array, jump: Array) -> "
     # The height of a state is known by its distance from turning points, its speed to rounding. A race ends soon:
     # no motion goes on as in one; but a small nutation about a steady motion may be as fast.
     turn, unsure = rows.rho / rows.q, _ROUNDING * disk.body.M * rows.p**2
-    lasting = (way < _NARROW) | (abs(turn) <= compiled.motions.FAST)
+    lasting = (way < compiled.nutation.WIDEST) | (abs(turn) <= compiled.motions.FAST)
     rates = turn * lasting, own * (rows.z * turn - rows.sigma4) * lasting, own * rows.sigma4
     # Where V' is 0 by symmetry it is no sum that has lost its digits.
     resting = (way == compiled.pieces.STEADY) & (rows.p == 0.0) & (rows.z != 0.0)

@@ -293,12 +293,8 @@ def simulate(
     else:
         source = ByIntegration.through(row, how, turned, most)
     if t_eval is not None:
-        found = _trajectories(
-            source, states, _times(t_end, t_eval, states, isinstance(source, Exact)), names, jobs
-        )
-        if set(names) & set(_TURNING):
-            _warn_of_races(found)
-        return found
+        times = _times(t_end, t_eval, states, isinstance(source, Exact))
+        return _trajectories(source, states, times, names, jobs, warns=bool(set(names) & set(_TURNING)))
     if t_end is None:
         raise InputError("t_end: is missing; give the end of the time, or the times themselves as t_eval")
     end = positive("t_end", t_end)
@@ -339,20 +335,24 @@ def _trajectories(
     lows: Array = SINCE_START,
     lengths: Any = None,
     end: float | None = None,
+    warns: bool = False,
 ) -> Trajectories:
     """The motions of a source at times (n or 1, nt) in the units of the disk; lows: as `Exact.seen` takes them.
 
-    lengths, end: of curves, whose times count from lower turning points, the number and the last one.
+    lengths, end: of curves, whose times count from lower turning points, the number and the last one. warns: of
+    times between which a curve would miss races.
     """
     n, disk, m = states.size, states.disk, times.shape[1]
     values = {name: np.empty((n, m, *((3,) if name in _VECTORS else ()))) for name in names}
-    at = np.array(np.broadcast_to(times, (n, m)))
+    at, turned = np.array(np.broadcast_to(times, (n, m))), np.zeros(n)
 
     def part(rows: slice) -> Outcome:
         own_times, own_lows = (table if len(table) == 1 else table[rows] for table in (times, lows))
         seen, outcome = source.at(rows).seen(own_times * disk.rate_unit, own_lows)
         for name, found in _observables(disk, seen, names).items():
             values[name][rows] = found
+        if warns:
+            turned[rows] = abs(np.diff(seen[compiled.field.ROW.chi])).max(axis=1, initial=0.0)
         if lengths is not None:  # of the points themselves, not of the end, as it was given
             counted = ~np.isnan(own_lows) & (outcome.status == compiled.status.Status.OK)[:, None]
             at[rows] = np.where(counted, seen[compiled.field.ROW.t] * disk.time_unit, at[rows])
@@ -363,6 +363,7 @@ def _trajectories(
         None if part[0] is None else np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)
     ]
     outcome = Outcome(*columns)
+    _warn_of_races(turned)
     ok = outcome.status == compiled.status.Status.OK
     known: dict[str, Any] = dict.fromkeys(("period", "turn", "shift"))
     if isinstance(source, Exact):
@@ -444,11 +445,8 @@ def _observables(disk: Disk, states: Array, names: Sequence[str]) -> dict[str, A
     return {name: values[name]() for name in names}
 
 
-def _warn_of_races(found: Trajectories) -> None:
-    """Warn where a curve would miss turns of the contact point."""
-    if found.chi is None:
-        return
-    turned = abs(np.diff(found.chi)).max(axis=-1, initial=0.0)
+def _warn_of_races(turned: Array) -> None:
+    """Warn where a curve would miss turns of the contact point. turned: the most between two times of each."""
     missed = int(np.sum(turned > _COARSE))
     if missed:
         warn(
