@@ -277,10 +277,12 @@ def test_ten_thousand_passages_in_a_row_keep_their_constants():
     assert (long[:, 2] < 1e-12).all()
 
 
-def test_times_that_step_over_a_race_are_warned_about():
+@pytest.mark.parametrize("method", ["auto", "rk8"])
+@pytest.mark.parametrize("observables", [["phi", "chi", "path"], ["chi"], ["psi"], ["path"], ["contact"]], ids=str)
+def test_times_that_step_over_a_race_are_warned_about(observables, method):
     states = constants_to_states(BODIES["uniform"], 1.0, [1e-3, -1e-6, 1e-9], [1.0, 1.0, -0.1])
     with pytest.warns(ex.CoarseTimesWarning, match="in 2 of 3 .* leave t_eval out"):
-        ex.simulate(states, t_eval=[0.5, 1.0, 2.0])
+        ex.simulate(states, t_eval=[0.5, 1.0, 2.0], observables=observables, method=method)
 
 
 @pytest.mark.filterwarnings("error")
